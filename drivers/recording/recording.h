@@ -1,0 +1,62 @@
+// Recordings on disk in EuRoC/ASL layout: cam0/data.csv, cam0/data/<ns>.png, cam0/sensor.yaml, the same for
+// cam1.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware/base/image.h"
+#include "firmware/base/result.h"
+
+namespace adit::recording {
+
+/// One image file of a recording.
+struct ImageEntry {
+  base::TimeNs mid_exposure_ns = 0;
+  std::string path;
+};
+
+/// The index of a recording; images are read when asked for.
+struct Recording {
+  std::string folder;
+  std::vector<ImageEntry> left, right;  ///< ascending in time
+};
+
+/// Reads the two data.csv. Refuses a missing folder, malformed or unsorted lines (file and line named).
+base::Result<Recording> OpenRecording(const std::string& folder);
+
+/// An image in memory, 8 or 16 bit.
+struct StoredImage {
+  std::vector<std::uint8_t> pixels;
+  int width_px = 0, height_px = 0, bits = 8;
+  base::ImageView View() const {
+    return {pixels.data(), width_px, height_px, static_cast<std::ptrdiff_t>(width_px) * (bits > 8 ? 2 : 1),
+            bits};
+  }
+};
+
+/// Reads one PNG; declines with the file's name.
+base::Result<StoredImage> ReadImage(const std::string& path);
+
+/// Writes a recording frame by frame. The folder must not exist or be empty. data.csv is complete only after
+/// Finish.
+class RecordingWriter {
+ public:
+  static base::Result<RecordingWriter> Create(const std::string& folder, const std::string& left_sensor_yaml,
+                                              const std::string& right_sensor_yaml);
+  ~RecordingWriter();
+  RecordingWriter(RecordingWriter&&) noexcept;
+  RecordingWriter& operator=(RecordingWriter&&) noexcept;
+
+  base::Result<void> Write(base::Side side, base::TimeNs mid_exposure_ns, const base::ImageView& image);
+  base::Result<void> Finish();
+
+ private:
+  struct State;
+  explicit RecordingWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace adit::recording

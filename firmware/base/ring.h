@@ -1,0 +1,82 @@
+// Hand-over between two threads: lock-free, fixed size, one producer, one consumer. A full ring gives its
+// oldest item back to the producer, who counts it: the newest image is worth more than the oldest.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <type_traits>
+
+namespace adit::base {
+
+/// A ring of up to N small trivially copyable items (pointers, indices). Push belongs to one thread, Pop to
+/// one other. Positions only grow; slot = position mod N.
+///
+/// Both ends may take the oldest item (the producer when full, the consumer always), so `read_` moves by
+/// compare-exchange: whoever moves it from p to p+1 owns what stood in slot p. The consumer reads the slot
+/// before its exchange; if the producer took that item meanwhile, the exchange fails and the value is
+/// discarded. The slots are atomics, so that this early read is no data race. 64-bit positions do not come
+/// back within a box's life, so a stale position never matches by accident.
+template <class T, std::size_t N>
+class DropOldestRing {
+  static_assert(std::is_trivially_copyable_v<T> && std::atomic<T>::is_always_lock_free);
+  static_assert(N >= 2 && (N & (N - 1)) == 0, "a power of two");
+
+ public:
+  /// Adds `item`. Returns the oldest item if it had to make room: the producer owns that one again.
+  std::optional<T> Push(T item) {
+    // relaxed: only this thread writes write_.
+    const std::uint64_t write = write_.load(std::memory_order_relaxed);
+    // acquire: pairs with the consumer's exchange, so that its read of the slot we are about to reuse is
+    // over.
+    std::uint64_t read = read_.load(std::memory_order_acquire);
+    std::optional<T> dropped;
+    if (write - read == N) {
+      // relaxed: this thread wrote the slot itself.
+      const T oldest = slots_[read % N].load(std::memory_order_relaxed);
+      // acq_rel: as above; on failure the consumer has taken it and there is room now (acquire for the
+      // reuse).
+      if (read_.compare_exchange_strong(read, read + 1, std::memory_order_acq_rel,
+                                        std::memory_order_acquire)) {
+        dropped = oldest;
+      }
+    }
+    slots_[write % N].store(item, std::memory_order_relaxed);
+    // release: publishes the slot, and what the item points to, before the position.
+    write_.store(write + 1, std::memory_order_release);
+    return dropped;
+  }
+
+  /// Takes the oldest item, if there is one.
+  std::optional<T> Pop() {
+    // acquire: pairs with the producer's exchange, so that a position it moved is seen with what follows.
+    std::uint64_t read = read_.load(std::memory_order_acquire);
+    for (;;) {
+      // acquire: pairs with the release in Push; slot and pointee are visible.
+      if (read == write_.load(std::memory_order_acquire)) return std::nullopt;
+      const T item = slots_[read % N].load(std::memory_order_relaxed);
+      // acq_rel: release keeps the slot read above before the hand-back; acquire on failure for the next
+      // round.
+      if (read_.compare_exchange_weak(read, read + 1, std::memory_order_acq_rel, std::memory_order_acquire)) {
+        return item;
+      }
+    }
+  }
+
+  /// Items waiting; a snapshot, exact only when both sides rest.
+  std::size_t SizeApprox() const {
+    // acquire on read_ first: write_ is then at least as new, the difference never negative.
+    const std::uint64_t read = read_.load(std::memory_order_acquire);
+    return static_cast<std::size_t>(write_.load(std::memory_order_acquire) - read);
+  }
+
+ private:
+  static constexpr std::size_t kCacheLineBytes = 64;  // x86-64 and Cortex-A
+  alignas(kCacheLineBytes) std::atomic<std::uint64_t> write_{0};
+  alignas(kCacheLineBytes) std::atomic<std::uint64_t> read_{0};
+  alignas(kCacheLineBytes) std::array<std::atomic<T>, N> slots_{};
+};
+
+}  // namespace adit::base

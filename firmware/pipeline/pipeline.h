@@ -1,0 +1,56 @@
+// The product, top to bottom, without threads: two images in, positions out. The box's threads and `adit
+// track` run this same code.
+#pragma once
+
+#include <vector>
+
+#include "firmware/base/result.h"
+#include "firmware/detect/detector.h"
+#include "firmware/georef/geo_fix.h"
+#include "firmware/georef/georeference.h"
+#include "firmware/identify/identifier.h"
+#include "firmware/stereo/locator.h"
+#include "firmware/track/tracker.h"
+
+namespace adit::pipeline {
+
+struct PipelineOptions {
+  detect::DetectorOptions detector;
+};
+
+/// All records of one pair. Large (some 100 kB): make it once and reuse it.
+struct PairResult {
+  identify::SightingSet left, right;
+  stereo::PointSet points;
+  track::TargetStateSet states;
+  georef::GeoFixSet fixes;
+};
+
+/// The chain of the stages. Detect may run in one thread per side at once; Locate in one other thread.
+class Pipeline {
+ public:
+  /// Refuses no models, too many, or two of one name.
+  static base::Result<Pipeline> Make(const optics::Rig& rig, const std::vector<identify::Model>& models,
+                                     const PipelineOptions& options);
+
+  /// Frame -> blobs, for the camera of the frame's side.
+  void Detect(const base::CameraFrame& frame, detect::BlobSet& blobs);
+
+  /// Blobs of one pair -> fixes. `left` and `right` must outlive `result`.
+  void Locate(const detect::BlobSet& left, const detect::BlobSet& right, PairResult& result);
+
+  const std::vector<identify::Model>& Models() const { return models_; }
+
+ private:
+  Pipeline(const optics::Rig& rig, const std::vector<identify::Model>& models,
+           const PipelineOptions& options);
+
+  std::vector<identify::Model> models_;
+  detect::Detector left_detector_, right_detector_;
+  identify::Identifier left_identifier_;
+  stereo::Locator locator_;
+  track::Tracker tracker_;
+  georef::Georeference georeference_;
+};
+
+}  // namespace adit::pipeline

@@ -1,0 +1,56 @@
+// What the stereo stage hands on: where the LEDs of each target are.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+#include "firmware/base/fixed_vector.h"
+#include "firmware/identify/sighting_set.h"
+
+namespace adit::stereo {
+
+enum class FixStatus : std::uint8_t {
+  kTracked,    ///< all four LEDs measured in both images
+  kRecovered,  ///< one or two LEDs rebuilt from the others
+  kPredicted,  ///< by the filter alone
+  kLost,       ///< no position
+};
+
+/// Why a target has no position.
+enum class LossReason : std::uint8_t {
+  kNone,
+  kNoFrame,           ///< a camera delivered no usable frame
+  kNotSeen,           ///< no four blobs in the left image pass for it
+  kNoCorrespondence,  ///< the right image does not confirm them along the epipolar lines
+  kDistances,         ///< the LEDs found are not the right distances apart
+  kAmbiguous,         ///< several places pass equally well
+  kGeometry,          ///< no stable solution: behind the cameras or not converged
+};
+
+/// One target of one pair. All in the rig frame b (the left camera), metres. Empty (zero) unless status says
+/// otherwise: look at the status first.
+struct TargetPoints {
+  std::uint8_t target = 0;
+  FixStatus status = FixStatus::kLost;
+  LossReason reason = LossReason::kNotSeen;
+  std::array<Eigen::Vector3d, base::kLedCount> leds_b_m{};  ///< each LED on its own
+  Eigen::Vector3d epicenter_b_m = Eigen::Vector3d::Zero();  ///< from the rigid bar fit
+  Eigen::Matrix3d epicenter_covariance_m2 = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d direction_b = Eigen::Vector3d::Zero();           ///< unit, LED 1 to LED 4
+  Eigen::Matrix3d direction_covariance = Eigen::Matrix3d::Zero();  ///< rank 2
+  double bar_m = 0;  ///< measured distance LED 1 to LED 4, from the single LEDs
+  double bar_sigma_m = 0;
+  double reprojection_px = 0;       ///< rms over the rigid fit's image residuals
+  std::uint8_t recovered_mask = 0;  ///< bit i: LED i+1 was rebuilt
+};
+
+/// One entry for every target of the model list, in its order, found or lost.
+struct PointSet {
+  base::FrameStamp stamp;  ///< of the left image
+  const identify::SightingSet* left = nullptr;
+  const identify::SightingSet* right = nullptr;
+  base::FixedVector<TargetPoints, identify::kMaxTargets> targets;
+};
+
+}  // namespace adit::stereo

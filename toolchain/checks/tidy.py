@@ -1,0 +1,30 @@
+"""Names and function sizes by clang-tidy (.clang-tidy), all cores. Usage: tidy.py ROOT BUILD [FILE...]"""
+import concurrent.futures
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tree
+
+
+def check(build, path):
+    done = subprocess.run(["clang-tidy", "--quiet", "-p", str(build), path], capture_output=True, text=True)
+    lines = [line for line in done.stdout.splitlines() if "error:" in line or "warning:" in line]
+    if done.returncode != 0 and not lines:
+        lines = [f"{path}: clang-tidy failed: {done.stderr.strip()[:500]}"]
+    return lines
+
+
+def main(root, build, only):
+    root, build = pathlib.Path(root).resolve(), pathlib.Path(build).resolve()
+    compiled = {entry["file"] for entry in json.loads(pathlib.Path(build, "compile_commands.json").read_text())}
+    wanted = [str(pathlib.Path(root, path)) for path in tree.sources(root, (".cpp",))]
+    files = [path for path in wanted if path in compiled and (not only or any(o in path for o in only))]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        faults = sorted({line for lines in pool.map(lambda path: check(build, path), files) for line in lines})
+    return tree.report("tidy", faults, len(files))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], sys.argv[2], sys.argv[3:]))

@@ -1,0 +1,37 @@
+# One place for what every translation unit is compiled with, and the function that makes a room.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+
+add_library(adit_options INTERFACE)
+target_include_directories(adit_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(adit_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual -Werror
+  # The same sums on every machine of an architecture: no fused multiply-add where it happens to be available.
+  -ffp-contract=off)
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  # The oldest box we support; wider instructions are chosen at run time.
+  target_compile_options(adit_options INTERFACE -march=x86-64-v2)
+endif()
+if(ADIT_SANITIZE STREQUAL "address")
+  target_compile_options(adit_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(adit_options INTERFACE -fsanitize=address,undefined)
+elseif(ADIT_SANITIZE STREQUAL "thread")
+  target_compile_options(adit_options INTERFACE -fsanitize=thread -fno-omit-frame-pointer -Wno-tsan)
+  target_link_options(adit_options INTERFACE -fsanitize=thread)
+endif()
+
+# adit_room(name DEPENDS targets...): a library adit_<name> of all sources in the current folder.
+function(adit_room name)
+  cmake_parse_arguments(ROOM "" "" "DEPENDS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  if(sources)
+    add_library(adit_${name} STATIC ${sources})
+    target_link_libraries(adit_${name} PUBLIC adit_options ${ROOM_DEPENDS})
+  else()
+    add_library(adit_${name} INTERFACE)
+    target_link_libraries(adit_${name} INTERFACE adit_options ${ROOM_DEPENDS})
+  endif()
+endfunction()

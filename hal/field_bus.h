@@ -1,23 +1,13 @@
 // The machine's field bus as the box needs it: CAN frames out, their echoes back.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 
-#include "firmware/base/result.h"
+#include "firmware/base/can_frame.h"
 #include "firmware/base/time.h"
 
 namespace adit::hal {
-
-struct CanFrame {
-  std::uint32_t id = 0;  ///< 11 bit, or 29 bit if extended
-  bool extended = false;
-  std::uint8_t length = 8;
-  std::array<std::uint8_t, 8> data{};
-
-  bool operator==(const CanFrame&) const = default;
-};
 
 enum class SendOutcome : std::uint8_t {
   kSent,     ///< all frames were handed to the bus
@@ -41,7 +31,7 @@ class FieldBus {
  public:
   virtual ~FieldBus() = default;
   /// Hands over the frames of one epoch, in order; at most one epoch is in flight.
-  virtual SendOutcome SendEpoch(std::span<const CanFrame> frames) = 0;
+  virtual SendOutcome SendEpoch(std::span<const base::CanFrame> frames) = 0;
   /// Takes echoes and error frames, restarts after bus-off; call at least once a cycle.
   virtual void Poll(base::TimeNs now_ns) = 0;
   virtual FieldBusHealth Health() const = 0;

@@ -1,0 +1,34 @@
+// adit: the workstation tools, one program with subcommands.
+#include <CLI/CLI.hpp>
+
+#include "host/calibrate.h"
+#include "host/config.h"
+#include "host/demo.h"
+#include "host/evaluate.h"
+#include "host/serve.h"
+#include "host/simulate.h"
+#include "host/track.h"
+#include "host/train.h"
+
+int main(int argc, char** argv) {
+  CLI::App app{"adit: optical machine guidance for tunnels and mines"};
+  app.require_subcommand(1);
+  app.fallthrough(false);
+  int exit_code = 0;
+  adit::host::AddSimulate(app, exit_code);
+  adit::host::AddServe(app, exit_code);
+  adit::host::AddTrain(app, exit_code);
+  adit::host::AddCalibrate(app, exit_code);
+  adit::host::AddTrack(app, exit_code);
+  adit::host::AddEvaluate(app, exit_code);
+  adit::host::AddConfig(app, exit_code);
+  adit::host::AddDemo(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);  // --help
+    std::cerr << "adit: " << e.what() << " (adit --help)\n";
+    return 2;
+  }
+  return exit_code;
+}

@@ -39,7 +39,7 @@ TEST_GROUP(BoxConfig){void teardown() override{std::remove(kPath);
 TEST(BoxConfig, ReadsAMinimalFileAndFillsInDefaults) {
   std::ofstream(kPath) << kGood;
   const auto config = LoadBoxConfig(kPath);
-  CHECK(config);
+  CHECK(!!config);
   STRCMP_EQUAL("10.0.0.2", config->cameras.right.device.c_str());
   DOUBLES_EQUAL(60, config->cameras.rate_hz, 0);
   LONGS_EQUAL(2, config->models.size());
@@ -51,7 +51,7 @@ TEST(BoxConfig, WhatItShowsReadsBackToTheSame) {
   std::ofstream(kPath)
       << kGood << "publish: {site_origin_m: [546123, 178456, 400], can: {driver: candump, log: c.log}}\n";
   const auto first = LoadBoxConfig(kPath);
-  CHECK(first);
+  CHECK(!!first);
   const std::string shown = adit::config::FormatBoxConfig(*first);
   STRCMP_EQUAL("", Complaint(shown).c_str());
   const auto second = LoadBoxConfig(kPath);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
@@ -13,7 +14,9 @@ namespace adit::base {
 /// tries again; the writer never waits. The payload is copied through relaxed atomic words, so that a torn
 /// read is a retry and not undefined behaviour (Boehm, "Can seqlocks get along with programming language
 /// memory models?", MSPC 2012, section 4).
-template <class T>
+///
+/// `Atomic` is std::atomic; the tests put a model of it here.
+template <class T, template <class> class Atomic = std::atomic>
 class Latest {
   static_assert(std::is_trivially_copyable_v<T> && std::is_default_constructible_v<T>);
 
@@ -56,8 +59,8 @@ class Latest {
 
  private:
   static constexpr std::size_t kWords = (sizeof(T) + sizeof(std::uint64_t) - 1) / sizeof(std::uint64_t);
-  std::atomic<std::uint64_t> sequence_{0};
-  std::array<std::atomic<std::uint64_t>, kWords> words_{};
+  Atomic<std::uint64_t> sequence_{0};
+  std::array<Atomic<std::uint64_t>, kWords> words_{};
 };
 
 }  // namespace adit::base

@@ -2,6 +2,7 @@
 // oldest item back to the producer, who counts it: the newest image is worth more than the oldest.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -12,16 +13,17 @@
 namespace adit::base {
 
 /// A ring of up to N small trivially copyable items (pointers, indices). Push belongs to one thread, Pop to
-/// one other. Positions only grow; slot = position mod N.
+/// one other. Positions only grow; slot = position mod N. `Atomic` is std::atomic; the tests put a model of
+/// it here that tries every order of steps and every value that a memory order lets a load return.
 ///
 /// Both ends may take the oldest item (the producer when full, the consumer always), so `read_` moves by
-/// compare-exchange: whoever moves it from p to p+1 owns what stood in slot p. The consumer reads the slot
-/// before its exchange; if the producer took that item meanwhile, the exchange fails and the value is
-/// discarded. The slots are atomics, so that this early read is no data race. 64-bit positions do not come
-/// back within a box's life, so a stale position never matches by accident.
-template <class T, std::size_t N>
+/// compare-exchange: whoever moves it from p to p+1 owns what stood in slot p, and exactly one can. The
+/// consumer reads the slot before its exchange; if the producer took that item meanwhile, the exchange fails
+/// and the value is discarded. The slots are atomics, so that this early read is no data race. 64-bit
+/// positions do not come back within a box's life, so a stale position never matches by accident.
+template <class T, std::size_t N, template <class> class Atomic = std::atomic>
 class DropOldestRing {
-  static_assert(std::is_trivially_copyable_v<T> && std::atomic<T>::is_always_lock_free);
+  static_assert(std::is_trivially_copyable_v<T> && Atomic<T>::is_always_lock_free);
   static_assert(N >= 2 && (N & (N - 1)) == 0, "a power of two");
 
  public:
@@ -67,16 +69,18 @@ class DropOldestRing {
 
   /// Items waiting; a snapshot, exact only when both sides rest.
   std::size_t SizeApprox() const {
-    // acquire on read_ first: write_ is then at least as new, the difference never negative.
+    // acquire on read_ first: write_ is then at least as new, the difference never negative. Pushes between
+    // the two loads can make it larger than the ring.
     const std::uint64_t read = read_.load(std::memory_order_acquire);
-    return static_cast<std::size_t>(write_.load(std::memory_order_acquire) - read);
+    return static_cast<std::size_t>(
+        std::min<std::uint64_t>(write_.load(std::memory_order_acquire) - read, N));
   }
 
  private:
   static constexpr std::size_t kCacheLineBytes = 64;  // x86-64 and Cortex-A
-  alignas(kCacheLineBytes) std::atomic<std::uint64_t> write_{0};
-  alignas(kCacheLineBytes) std::atomic<std::uint64_t> read_{0};
-  alignas(kCacheLineBytes) std::array<std::atomic<T>, N> slots_{};
+  alignas(kCacheLineBytes) Atomic<std::uint64_t> write_{0};
+  alignas(kCacheLineBytes) Atomic<std::uint64_t> read_{0};
+  alignas(kCacheLineBytes) std::array<Atomic<T>, N> slots_{};
 };
 
 }  // namespace adit::base

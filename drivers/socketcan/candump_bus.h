@@ -2,8 +2,6 @@
 // canmatrix and python-can read.
 #pragma once
 
-#include <cstdio>
-#include <functional>
 #include <memory>
 #include <string>
 
@@ -25,6 +23,9 @@ class CandumpBus final : public hal::FieldBus {
   ~CandumpBus() override;
   CandumpBus(const CandumpBus&) = delete;
   CandumpBus& operator=(const CandumpBus&) = delete;
+
+  /// Frames of one epoch; those of all targets of a box may come together.
+  static constexpr std::size_t kMaxEpochFrames = 64;
 
   /// kDropped when the file takes no more (disk full), kSent otherwise.
   hal::SendOutcome SendEpoch(std::span<const base::CanFrame> frames) override;

@@ -248,8 +248,12 @@ base::Result<Calibration> Calibrate(const CalibrationInput& input, const Calibra
     return Refusal(input, TooFew(seen.size(), options.bars_min, "bars identified in both images"));
   }
   const std::vector<StereoBar> similar = Similar(input, options.similarity_max_rad);
-  if (const std::string reason = Concentrated(input, similar); !similar.empty() && !reason.empty())
-    return Refusal(input, reason);
+  if (similar.size() < options.bars_min) {
+    return Refusal(input,
+                   TooFew(similar.size(), options.bars_min,
+                          "bars have a similar direction in both images (a mirrored or turned image?)"));
+  }
+  if (const std::string reason = Concentrated(input, similar); !reason.empty()) return Refusal(input, reason);
   std::vector<RayBar> rays;
   for (const StereoBar& bar : similar) rays.push_back(Rays(input, bar));
   const double focal_px =
@@ -264,7 +268,10 @@ base::Result<Calibration> Calibrate(const CalibrationInput& input, const Calibra
   std::vector<StereoBar> agreed;
   for (const std::size_t i : consensus->bars) agreed.push_back(similar[i]);
   const auto fit = Refine(input, *start, Place(input, *start, agreed), options.bars_min);
-  if (!fit) return Refusal(input, "the bundle adjustment does not converge");
+  if (!fit)
+    return Refusal(input,
+                   "the bundle adjustment does not converge: do the camera files belong to these cameras, "
+                   "the models to these bars?");
   if (fit->placed.bars.size() < options.bars_min) {
     return Refusal(input, TooFew(fit->placed.bars.size(), options.bars_min, "bars fit one relative pose"));
   }

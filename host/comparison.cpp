@@ -1,0 +1,183 @@
+#include "host/comparison.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "host/csv_table.h"
+
+namespace adit::host {
+namespace {
+
+using base::Error;
+using base::ErrorCode;
+using base::TimeNs;
+using Eigen::Vector3d;
+
+constexpr TimeNs kSameExposureNs = base::kNsPerMs;  // frames follow each other by 4 ms or more
+constexpr std::array<double, 7> kEdgesM{0, 20, 30, 50, 80, 110, 1000};
+
+/// The numbers of some columns of one row, all of which must be there.
+base::Result<std::vector<double>> NumbersOf(const CsvTable& table, std::size_t row,
+                                            const std::vector<std::string>& columns) {
+  std::vector<double> numbers;
+  for (const std::string& column : columns) {
+    const auto number = table.Number(row, column);
+    if (!number) return number.error();
+    if (!number->has_value())
+      return Error{ErrorCode::kMalformed, table.Where(row, column), "is empty; it must be a number"};
+    numbers.push_back(**number);
+  }
+  return numbers;
+}
+
+Vector3d Three(const std::vector<double>& numbers, std::size_t from) {
+  return {numbers[from], numbers[from + 1], numbers[from + 2]};
+}
+
+/// Sums over the pairs of one target in one range.
+struct Sums {
+  Figures figures;
+  double squares_m2 = 0, nees = 0, bar_abs_m = 0, bar_squares_m2 = 0, true_bar_m = 0;
+
+  void Add(const TrackPoint& found, const TruthPoint& truth) {
+    const Vector3d error_m = found.position_m - truth.position_m;
+    ++figures.tracked;
+    figures.recovered += found.recovered ? 1 : 0;
+    figures.max_m = std::max(figures.max_m, error_m.norm());
+    figures.bias_m += error_m;
+    figures.flips += found.direction.dot(truth.direction) < 0 ? 1 : 0;
+    squares_m2 += error_m.squaredNorm();
+    nees += error_m.cwiseQuotient(found.sigma_m).squaredNorm();
+    bar_abs_m += std::abs(found.bar_m - truth.bar_m);
+    bar_squares_m2 += found.bar_m * found.bar_m;
+    true_bar_m += truth.bar_m;
+  }
+
+  Figures Finish() const {
+    Figures out = figures;
+    if (out.tracked == 0) return out;
+    const auto count = static_cast<double>(out.tracked);
+    out.rms_m = std::sqrt(squares_m2 / count);
+    out.bias_m /= count;
+    out.nees = nees / count;
+    out.bar_mae_m = bar_abs_m / count;
+    out.bar_xrms_m = std::abs(true_bar_m / count - std::sqrt(bar_squares_m2 / count)) / 2;
+    return out;
+  }
+};
+
+/// The ranges of one target, the first one over all distances.
+class TargetSums {
+ public:
+  explicit TargetSums(const std::string& target) {
+    sums_[0].figures.target = target;
+    sums_[0].figures.to_m = kEdgesM.back();
+    for (std::size_t i = 1; i < sums_.size(); ++i) {
+      sums_[i].figures.target = target;
+      sums_[i].figures.from_m = kEdgesM[i - 1];
+      sums_[i].figures.to_m = kEdgesM[i];
+    }
+  }
+
+  /// One truth row, with what was found for it (or null).
+  void Add(const TruthPoint& truth, const TrackPoint* found, int visible_min) {
+    const double distance_m = truth.position_m.norm();
+    for (Sums& sums : sums_) {
+      if (distance_m < sums.figures.from_m || distance_m >= sums.figures.to_m) continue;
+      if (truth.visible < visible_min) {
+        sums.figures.hidden += found != nullptr ? 1 : 0;
+        continue;
+      }
+      ++sums.figures.visible;
+      if (found != nullptr) sums.Add(*found, truth);
+    }
+  }
+
+  void Finish(std::vector<Figures>& out) const {
+    for (const Sums& sums : sums_) {
+      if (&sums == &sums_[0] || sums.figures.visible > 0) out.push_back(sums.Finish());
+    }
+  }
+
+ private:
+  std::array<Sums, kEdgesM.size()> sums_;
+};
+
+}  // namespace
+
+base::Result<std::vector<TrackPoint>> ReadTrack(const std::string& path) {
+  const std::vector<std::string> numbers{"x_m",  "y_m", "z_m", "sx_m", "sy_m",
+                                         "sz_m", "dx",  "dy",  "dz",   "bar_m"};
+  std::vector<std::string> columns = numbers;
+  columns.insert(columns.end(), {"timestamp_ns", "target", "status"});
+  const auto table = CsvTable::Open(path, columns);
+  if (!table) return table.error();
+  std::vector<TrackPoint> points;
+  for (std::size_t row = 0; row < table->Rows(); ++row) {
+    const std::string_view status = table->Text(row, "status");
+    if (status == "lost" || status == "predicted") continue;
+    if (status != "tracked" && status != "recovered") {
+      return Error{
+          ErrorCode::kMalformed, table->Where(row, "status"),
+          "is '" + std::string(status) + "'; it must be one of: tracked, recovered, predicted, lost"};
+    }
+    const auto time_ns = table->Time(row, "timestamp_ns");
+    if (!time_ns) return time_ns.error();
+    const auto values = NumbersOf(*table, row, numbers);
+    if (!values) return values.error();
+    points.push_back({*time_ns, std::string(table->Text(row, "target")), status == "recovered",
+                      Three(*values, 0), Three(*values, 3), Three(*values, 6), (*values)[9]});
+  }
+  return points;
+}
+
+base::Result<std::vector<TruthPoint>> ReadTruth(const std::string& path) {
+  const std::vector<std::string> numbers{"x_m",      "y_m",      "z_m",      "dx",       "dy",
+                                         "dz",       "led1_x_m", "led1_y_m", "led1_z_m", "led4_x_m",
+                                         "led4_y_m", "led4_z_m", "visible"};
+  std::vector<std::string> columns = numbers;
+  columns.insert(columns.end(), {"timestamp_ns", "target"});
+  const auto table = CsvTable::Open(path, columns);
+  if (!table) return table.error();
+  std::vector<TruthPoint> points;
+  for (std::size_t row = 0; row < table->Rows(); ++row) {
+    const auto time_ns = table->Time(row, "timestamp_ns");
+    if (!time_ns) return time_ns.error();
+    const auto values = NumbersOf(*table, row, numbers);
+    if (!values) return values.error();
+    const double bar_m = (Three(*values, 9) - Three(*values, 6)).norm();
+    points.push_back({*time_ns, std::string(table->Text(row, "target")), Three(*values, 0), Three(*values, 3),
+                      bar_m, static_cast<int>((*values)[12])});
+  }
+  return points;
+}
+
+base::Result<Comparison> Compare(const std::vector<TrackPoint>& track, const std::vector<TruthPoint>& truth,
+                                 int visible_min) {
+  std::map<std::pair<std::string, TimeNs>, const TrackPoint*> found;
+  for (const TrackPoint& point : track) found[{point.target, point.mid_exposure_ns}] = &point;
+  Comparison out;
+  std::map<std::string, TargetSums> targets;
+  std::size_t visible = 0, used = 0;
+  for (const TruthPoint& point : truth) {
+    auto& sums = targets.try_emplace(point.target, point.target).first->second;
+    const auto match = found.lower_bound({point.target, point.mid_exposure_ns - kSameExposureNs});
+    const bool matches = match != found.end() && match->first.first == point.target &&
+                         match->first.second <= point.mid_exposure_ns + kSameExposureNs;
+    sums.Add(point, matches ? match->second : nullptr, visible_min);
+    visible += point.visible >= visible_min ? 1 : 0;
+    used += matches ? 1 : 0;
+  }
+  // Truth rows of one target are exposures apart, so each match is another row of the track.
+  out.false_positions = found.size() - std::min(found.size(), used);
+  if (visible == 0 && out.false_positions == 0) {
+    return Error{ErrorCode::kFailed, "", "nothing to compare: no target is visible in the truth"};
+  }
+  for (const auto& [name, sums] : targets) sums.Finish(out.figures);
+  return out;
+}
+
+}  // namespace adit::host

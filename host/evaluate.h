@@ -1,0 +1,13 @@
+// adit evaluate: a track against the truth.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace adit::host {
+
+/// Adds the subcommand; its run sets `exit_code`.
+void AddEvaluate(CLI::App& app, int& exit_code);
+
+}  // namespace adit::host

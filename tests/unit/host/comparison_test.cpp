@@ -1,0 +1,152 @@
+#include "host/comparison.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <CppUTest/TestHarness.h>
+
+namespace {
+
+using adit::host::Compare;
+using adit::host::Comparison;
+using adit::host::Figures;
+using adit::host::TrackPoint;
+using adit::host::TruthPoint;
+using Eigen::Vector3d;
+
+constexpr adit::base::TimeNs kFrameNs = 16'666'667;
+
+TruthPoint True(int frame, double z_m, const std::string& target = "bar") {
+  return {frame * kFrameNs, target, Vector3d(0, 0, z_m), Vector3d::UnitX(), 1.5, 4};
+}
+
+TrackPoint Found(const TruthPoint& truth, const Vector3d& error_m = Vector3d::Zero()) {
+  return {truth.mid_exposure_ns,     truth.target,    false,      truth.position_m + error_m,
+          Vector3d::Constant(0.001), truth.direction, truth.bar_m};
+}
+
+/// The figures of a target in the range that starts at `from_m` and ends at `to_m`.
+Figures Of(const Comparison& comparison, double from_m, double to_m) {
+  for (const Figures& f : comparison.figures) {
+    if (f.from_m == from_m && f.to_m == to_m) return f;
+  }
+  FAIL("no such range");
+  return {};
+}
+
+std::string Written(const std::string& name, const std::string& text) {
+  const std::string path = (std::filesystem::temp_directory_path() / name).string();
+  std::ofstream(path) << text;
+  return path;
+}
+
+const char* const kTruthHeader =
+    "timestamp_ns,trigger,target,x_m,y_m,z_m,dx,dy,dz,led1_x_m,led1_y_m,led1_z_m,led4_x_m,led4_y_m,led4_z_m,"
+    "visible\n";
+
+}  // namespace
+
+TEST_GROUP(Comparison){};
+
+TEST(Comparison, KnowsErrorsOfKnownTracks) {
+  const std::vector<TruthPoint> truth{True(0, 25), True(1, 25), True(2, 60), True(3, 60)};
+  std::vector<TrackPoint> track{Found(truth[0], {0.003, 0, 0}), Found(truth[1], {0, -0.004, 0}),
+                                Found(truth[2], {0, 0, 0.002})};
+  track[0].bar_m = 1.502, track[1].bar_m = 1.497;
+  track[2].direction = -Vector3d::UnitX();
+
+  const auto comparison = *Compare(track, truth, 4);
+
+  const Figures near = Of(comparison, 20, 30), far = Of(comparison, 50, 80), all = Of(comparison, 0, 1000);
+  DOUBLES_EQUAL(100, near.TrackedPct(), 1e-9);
+  DOUBLES_EQUAL(50, far.TrackedPct(), 1e-9);
+  DOUBLES_EQUAL(75, all.TrackedPct(), 1e-9);
+  DOUBLES_EQUAL(std::sqrt(12.5e-6), near.rms_m, 1e-12);  // (9 + 16) / 2 mm^2
+  DOUBLES_EQUAL(0.004, near.max_m, 1e-12);
+  DOUBLES_EQUAL(0.0015, near.bias_m.x(), 1e-12);
+  DOUBLES_EQUAL(-0.002, near.bias_m.y(), 1e-12);
+  DOUBLES_EQUAL(12.5, near.nees, 1e-9);
+  DOUBLES_EQUAL(0.0025, near.bar_mae_m, 1e-12);
+  // half of | 1.5 - sqrt((1.502^2 + 1.497^2) / 2) |
+  DOUBLES_EQUAL(0.000248958, near.bar_xrms_m, 1e-8);
+  LONGS_EQUAL(0, near.flips);
+  LONGS_EQUAL(1, far.flips);
+  LONGS_EQUAL(0, comparison.false_positions);
+}
+
+TEST(Comparison, CountsPositionsThatTheTruthDoesNotHold) {
+  const std::vector<TruthPoint> truth{True(0, 25)};
+  const std::vector<TrackPoint> track{Found(True(0, 25)), Found(True(1, 25)), Found(True(0, 25, "ghost"))};
+  LONGS_EQUAL(2, Compare(track, truth, 4)->false_positions);
+}
+
+TEST(Comparison, LeavesHiddenTargetsOutOfTheErrors) {
+  std::vector<TruthPoint> truth{True(0, 25), True(1, 25)};
+  truth[1].visible = 3;
+  const std::vector<TrackPoint> track{Found(truth[0]), Found(truth[1], {1, 0, 0})};
+
+  const Figures all = Of(*Compare(track, truth, 4), 0, 1000);
+
+  LONGS_EQUAL(1, all.visible);
+  LONGS_EQUAL(1, all.hidden);
+  DOUBLES_EQUAL(0, all.rms_m, 1e-12);
+  LONGS_EQUAL(2, Of(*Compare(track, truth, 3), 0, 1000).visible);
+}
+
+TEST(Comparison, DoesNotPairNeighbouringFrames) {
+  auto late = Found(True(0, 25));
+  late.mid_exposure_ns += 2'000'000;
+  const auto comparison = *Compare({late}, {True(0, 25)}, 4);
+  LONGS_EQUAL(0, Of(comparison, 0, 1000).tracked);
+  LONGS_EQUAL(1, comparison.false_positions);
+}
+
+TEST(Comparison, DeclinesWhenThereIsNothingToCompare) {
+  CHECK_FALSE(Compare({}, {}, 4));
+  CHECK_FALSE(Compare({}, {}, 4).error().ExitCode() == 0);
+}
+
+TEST(Comparison, ReadsATrackAndLeavesLostRowsOut) {
+  const std::string path =
+      Written("adit_track.csv",
+              "timestamp_ns,trigger,target,status,x_m,y_m,z_m,sx_m,sy_m,sz_m,dx,dy,dz,bar_m\n"
+              "1700000000123456789,0,bar,tracked,1,2,30,0.001,0.002,0.003,1,0,0,1.5\n"
+              "1700000000140123456,1,bar,lost,,,,,,,,,,\n"
+              "1700000000156790123,2,bar,recovered,1,2,30,0.001,0.002,0.003,1,0,0,1.5\n");
+  const auto track = adit::host::ReadTrack(path);
+  LONGS_EQUAL(2, track->size());
+  CHECK((*track)[0].mid_exposure_ns == 1700000000123456789);
+  DOUBLES_EQUAL(0.003, (*track)[0].sigma_m.z(), 0);
+  CHECK((*track)[1].recovered);
+  std::filesystem::remove(path);
+}
+
+TEST(Comparison, ReadsTheBarOfATruthFileFromItsLeds) {
+  const std::string path =
+      Written("adit_truth.csv", std::string(kTruthHeader) + "5,0,bar,1,2,30,1,0,0,0,2,30,0.9,3.2,30,4\n");
+  const auto truth = adit::host::ReadTruth(path);
+  DOUBLES_EQUAL(1.5, (*truth)[0].bar_m, 1e-12);
+  LONGS_EQUAL(4, (*truth)[0].visible);
+  std::filesystem::remove(path);
+}
+
+TEST(Comparison, NamesFileLineAndColumnOfAMistake) {
+  const auto refused = [](const std::string& text) {
+    const std::string path = Written("adit_bad.csv", text);
+    const auto truth = adit::host::ReadTruth(path);
+    std::filesystem::remove(path);
+    CHECK_FALSE(truth);
+    return truth.error().Line().substr(path.size());
+  };
+  STRCMP_EQUAL(":1: has no column 'x_m'", refused("timestamp_ns\n").c_str());
+  STRCMP_EQUAL(":2: has 2 cells; the header has 16", refused(std::string(kTruthHeader) + "1,2\n").c_str());
+  STRCMP_EQUAL(":2: z_m: is 'near'; it must be a number or empty",
+               refused(std::string(kTruthHeader) + "5,0,bar,1,2,near,1,0,0,0,2,30,1,2,30,4\n").c_str());
+  STRCMP_EQUAL(":3: timestamp_ns: is '5.5'; it must be whole nanoseconds",
+               refused(std::string(kTruthHeader) + "5,0,bar,1,2,3,1,0,0,0,2,30,1,2,30,4\n" +
+                       "5.5,0,bar,1,2,3,1,0,0,0,2,30,1,2,30,4\n")
+                   .c_str());
+  STRCMP_EQUAL(":2: dx: is empty; it must be a number",
+               refused(std::string(kTruthHeader) + "5,0,bar,1,2,3,,0,0,0,2,30,1,2,30,4\n").c_str());
+  CHECK_FALSE(adit::host::ReadTruth("/nowhere/truth.csv"));
+}

@@ -58,7 +58,7 @@ class DurationHistogram {
   static std::size_t BucketOf(DurationNs duration_ns) {
     const auto value = static_cast<std::uint64_t>(duration_ns);
     if (value < (1ULL << kShift)) return 0;
-    const int octave = std::bit_width(value) - 1 - kShift;
+    const int octave = static_cast<int>(std::bit_width(value)) - 1 - kShift;
     const std::size_t within = (value >> (octave + kShift - 4)) & 15;
     const std::size_t bucket = static_cast<std::size_t>(octave) * kPerOctave + within;
     return bucket < kBuckets ? bucket : kBuckets - 1;

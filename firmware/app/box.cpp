@@ -1,0 +1,200 @@
+#include "firmware/app/box.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/identify/model.h"
+
+#ifndef ADIT_VERSION
+#error "the build defines ADIT_VERSION"
+#endif
+
+namespace adit::app {
+namespace {
+
+board::CameraOrder OrderOf(const config::BoxConfig& config, base::Side side,
+                           const optics::CameraModel& model) {
+  const config::CamerasConfig& cameras = config.cameras;
+  board::CameraOrder order;
+  order.driver = cameras.driver;
+  order.device = side == base::Side::kLeft ? cameras.left.device : cameras.right.device;
+  order.recording = config.Resolve(cameras.recording);
+  order.side = side;
+  order.width_px = model.width_px;
+  order.height_px = model.height_px;
+  order.bits = static_cast<int>(cameras.bits);
+  order.rate_hz = cameras.rate_hz;
+  order.exposure_us = cameras.exposure_us;
+  order.gain_db = cameras.gain_db;
+  order.packet_size = static_cast<int>(cameras.packet_size);
+  order.packet_socket = cameras.socket == "packet";
+  order.trigger_source = cameras.trigger_source;
+  order.ptp = cameras.ptp;
+  order.buffers = static_cast<int>(cameras.buffers);
+  return order;
+}
+
+/// Where the published targets stand in the model list.
+base::Result<std::vector<std::size_t>> PublishedTargets(const config::BoxConfig& config,
+                                                        const std::vector<identify::Model>& models) {
+  std::vector<std::size_t> targets;
+  for (const std::string& name : config.publish.targets) {
+    const auto model = std::find_if(models.begin(), models.end(),
+                                    [&name](const identify::Model& m) { return m.target.name == name; });
+    if (model == models.end()) {
+      return base::Error{base::ErrorCode::kOutOfRange, "publish.targets",
+                         "'" + name + "' is the name of no model"};
+    }
+    targets.push_back(static_cast<std::size_t>(model - models.begin()));
+  }
+  if (targets.empty()) {
+    for (std::size_t i = 0; i < models.size(); ++i) targets.push_back(i);
+  }
+  constexpr std::size_t kLastNode = 126;  // CiA 301 has nodes 1 to 127; each target takes two
+  if (static_cast<std::size_t>(config.publish.can.node) + 2 * (targets.size() - 1) > kLastNode) {
+    return base::Error{base::ErrorCode::kOutOfRange, "publish.can.node",
+                       "leaves no room for " + std::to_string(targets.size()) + " targets below node 127"};
+  }
+  return targets;
+}
+
+base::DurationNs Nanoseconds(double seconds) {
+  return static_cast<base::DurationNs>(std::llround(seconds * static_cast<double>(base::kNsPerS)));
+}
+
+}  // namespace
+
+base::Result<std::unique_ptr<Box>> Box::Make(const config::BoxConfig& config) {
+  const auto rig = optics::LoadRig(config.Resolve(config.rig));
+  if (!rig) return rig.error();
+  std::vector<identify::Model> models;
+  for (const std::string& file : config.models) {
+    auto model = identify::LoadModel(config.Resolve(file));
+    if (!model) return model.error();
+    models.push_back(*model);
+  }
+  const auto targets = PublishedTargets(config, models);
+  if (!targets) return targets.error();
+  pipeline::PipelineOptions options;
+  const config::DetectorConfig& d = config.detector;
+  options.detector = {d.area_min_px, d.area_max_px, d.elongation_max, d.read_noise_dn, d.electrons_per_dn};
+  auto pipeline = pipeline::Pipeline::Make(*rig, models, options);
+  if (!pipeline) return pipeline.error();
+  std::unique_ptr<Box> box(new Box(config, *rig, std::move(*pipeline)));
+  box->publisher_options_.targets = *targets;
+  return box;
+}
+
+Box::Box(const config::BoxConfig& config, const optics::Rig& rig, pipeline::Pipeline pipeline)
+    : config_(config), pipeline_(std::move(pipeline)) {
+  left_camera_ = board::MakeCamera(OrderOf(config, base::Side::kLeft, rig.left));
+  right_camera_ = board::MakeCamera(OrderOf(config, base::Side::kRight, rig.right));
+  const base::DurationNs period_ns = Nanoseconds(1 / config.cameras.rate_hz);
+  // The pairing thread waits on a wake-up of its own, so the lanes come after it.
+  pair_loop_ =
+      std::make_unique<PairLoop>(pipeline_, period_ns, Nanoseconds(config.cameras.exposure_us * 1e-6));
+  left_ = std::make_unique<CameraLane>(*left_camera_, base::Side::kLeft, pipeline_, pair_loop_->Wake());
+  right_ = std::make_unique<CameraLane>(*right_camera_, base::Side::kRight, pipeline_, pair_loop_->Wake());
+
+  PublisherOptions& p = publisher_options_;
+  p.rules.sigma_limit_m = config.publish.sigma_limit_mm * 1e-3;
+  p.rules.age_limit_ns = Nanoseconds(config.publish.age_limit_ms * 1e-3);
+  for (std::size_t i = 0; i < 3; ++i)
+    p.rules.origin_s_m[i] = static_cast<std::int32_t>(config.publish.site_origin_m[i]);
+  p.cycle_ns = Nanoseconds(config.publish.can.cycle_ms * 1e-3);
+  p.period_ns = period_ns;
+  p.simulation = config.simulation;
+  p.ptp_expected = config.cameras.ptp && config.cameras.driver == "aravis";
+  p.node = static_cast<std::uint8_t>(config.publish.can.node);
+  map_ = std::make_unique<publish::RegisterMap>(
+      publish::MakeIdentity(config.serial, ADIT_VERSION, config.crc32), p.rules);
+}
+
+Box::~Box() { Stop(); }
+
+base::Result<void> Box::OpenOutputs() {
+  const config::CanConfig& can = config_.publish.can;
+  if (can.driver != "none") {
+    auto bus = board::OpenFieldBus({can.driver, can.interface_name, config_.Resolve(can.log)});
+    if (!bus) return bus.error();
+    bus_ = std::move(*bus);
+  }
+  const config::ModbusConfig& modbus = config_.publish.modbus;
+  if (modbus.enabled) {
+    answers_ = std::make_unique<Answers>(*map_, static_cast<std::uint8_t>(modbus.unit));
+    auto server = board::ServeModbus(modbus.bind, static_cast<int>(modbus.port), *answers_);
+    if (!server) return server.error();
+    modbus_ = std::move(*server);
+  }
+  if (!config_.track_log.empty()) {
+    std::vector<std::string> names;
+    for (const identify::Model& model : pipeline_.Models()) names.push_back(model.target.name);
+    if (auto open = track_log_.Open(config_.Resolve(config_.track_log), names); !open) return open.error();
+  }
+  return {};
+}
+
+base::Result<void> Box::Start() {
+  if (auto open = OpenOutputs(); !open) return open.error();
+  for (hal::Camera* camera : {left_camera_.get(), right_camera_.get()}) {
+    if (auto start = camera->Start(); !start) return start.error();
+  }
+  if (config_.realtime.lock_memory) board::LockMemory();
+  publisher_ = std::make_unique<Publisher>(publisher_options_, pair_loop_->ToPublisher(), *left_, *right_,
+                                           *map_, bus_.get());
+  const auto thread = [this](std::size_t place) {
+    const auto& cpus = config_.realtime.cpus;
+    return ThreadOptions{static_cast<int>(config_.realtime.priority),
+                         cpus.empty() ? -1 : static_cast<int>(cpus[place % cpus.size()])};
+  };
+  publisher_->Start(thread(0));
+  if (track_log_.IsOpen()) track_log_.Start(pair_loop_->ToLog());
+  pair_loop_->Start(
+      thread(0), {*left_, *right_, publisher_->Wake(), track_log_.IsOpen() ? &track_log_.Wake() : nullptr});
+  left_->Start(thread(0));
+  right_->Start(thread(1));
+  start_monotonic_ns_ = status_monotonic_ns_ = board::MonotonicNs();
+  return {};
+}
+
+void Box::Stop() {
+  // Against the way of the data, so that nobody hands on to one who is gone; the lanes give their frames back
+  // last.
+  if (pair_loop_) pair_loop_->Stop();
+  if (left_) left_->Stop();
+  if (right_) right_->Stop();
+  if (publisher_) publisher_->Stop();
+  track_log_.Stop();
+  modbus_.reset();
+  for (hal::Camera* camera : {left_camera_.get(), right_camera_.get()}) {
+    if (camera != nullptr) camera->Stop();
+  }
+}
+
+Status Box::TakeStatus() {
+  Status status;
+  const std::int64_t now_ns = board::MonotonicNs();
+  constexpr double kNsPerS = base::kNsPerS;
+  status.uptime_s = static_cast<double>(now_ns - start_monotonic_ns_) / kNsPerS;
+  status.left = left_->Health();
+  status.right = right_->Health();
+  status.pairs = pair_loop_->Health();
+  const double since_s = static_cast<double>(now_ns - status_monotonic_ns_) / kNsPerS;
+  status.rate_hz = since_s > 0 ? static_cast<double>(status.pairs.pairs - status_pairs_) / since_s : 0;
+  status_monotonic_ns_ = now_ns;
+  status_pairs_ = status.pairs.pairs;
+  if (modbus_) {
+    status.modbus_clients = modbus_->Clients();
+    publisher_->SetModbusClients(status.modbus_clients);
+  }
+  status.publish = publisher_->Health();
+  status.bus = publisher_->BusHealth();
+  status.detect = QuantilesOf(left_->DetectTime());
+  status.locate = QuantilesOf(pair_loop_->LocateTime());
+  status.trigger_to_result = QuantilesOf(pair_loop_->TriggerToResult());
+  status.packet_to_result = QuantilesOf(pair_loop_->PacketToResult());
+  status.packet_to_bus = QuantilesOf(publisher_->PacketToBus());
+  return status;
+}
+
+}  // namespace adit::app

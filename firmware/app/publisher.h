@@ -1,0 +1,99 @@
+// The publisher: a thread that tells the machines, every cycle and in every state, over CAN and Modbus.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "board/sim/board.h"
+#include "firmware/app/camera_lane.h"
+#include "firmware/app/fix_record.h"
+#include "firmware/base/histogram.h"
+#include "firmware/publish/can_encoder.h"
+#include "firmware/publish/epoch.h"
+#include "firmware/publish/register_map.h"
+#include "hal/field_bus.h"
+
+namespace adit::app {
+
+struct PublisherOptions {
+  std::vector<std::size_t> targets;  ///< indices into the model list, in the order of their nodes
+  publish::EpochRules rules;
+  base::DurationNs cycle_ns = 50 * base::kNsPerMs;
+  base::DurationNs period_ns = base::kNsPerS / 60;  ///< of the trigger
+  bool simulation = false;
+  bool ptp_expected = false;
+  std::uint8_t node = 0x20;
+};
+
+/// Counters of the publisher; monotonic but for the last line.
+struct PublishHealth {
+  std::uint64_t epochs = 0;  ///< cycles told
+  std::uint64_t valid = 0;   ///< of these, leading target VALID or SIMULATED
+  std::uint16_t faults = 0;  ///< of the last cycle
+  publish::BoxState state = publish::BoxState::kInit;
+};
+
+/// One thread. `bus` may be null (Modbus only). All that is given outlives it.
+class Publisher {
+ public:
+  Publisher(const PublisherOptions& options, PublishConveyor& fixes, const CameraLane& left,
+            const CameraLane& right, publish::RegisterMap& map, hal::FieldBus* bus);
+  ~Publisher();
+
+  void Start(const ThreadOptions& options);
+  void Stop();
+  /// Signalled by the pairing thread after every record.
+  board::Wakeup& Wake() { return wake_; }
+
+  /// Modbus clients connected, for the diagnostics registers.
+  void SetModbusClients(std::uint32_t clients) { modbus_clients_.store(clients, std::memory_order_relaxed); }
+
+  PublishHealth Health() const;
+  hal::FieldBusHealth BusHealth() const { return bus_health_.Load(); }
+  /// From the last packet of a pair to the return of the bus' send, for epochs that told a new pair.
+  const base::DurationHistogram& PacketToBus() const { return packet_to_bus_; }
+
+ private:
+  void Run();
+  void TakeNewest();
+  bool IsDue(std::int64_t monotonic_ns, bool faults_changed) const;
+  void Tell(std::int64_t monotonic_ns);
+  void Send(const publish::BoxHealth& health);
+  std::uint16_t Faults(std::int64_t monotonic_ns) const;
+  publish::BoxCondition Condition(std::int64_t monotonic_ns) const;
+  publish::BoxHealth CountForMachines(std::int64_t monotonic_ns) const;
+  const georef::GeoFix* FixOf(std::size_t target) const;
+
+  PublisherOptions options_;
+  PublishConveyor& fixes_;
+  const CameraLane& left_;
+  const CameraLane& right_;
+  publish::RegisterMap& map_;
+  hal::FieldBus* bus_;
+  board::SystemClock clock_;
+  board::Wakeup wake_;
+  std::thread thread_;
+  std::atomic<bool> stop_{false};
+
+  std::vector<publish::CanEncoder> encoders_;
+  std::vector<publish::Epoch> epochs_;  ///< of the present cycle, one a target
+  publish::CanEncoder::Frames encoded_;
+  base::FixedVector<base::CanFrame, publish::CanEncoder::kMaxFrames * identify::kMaxTargets> frames_;
+  FixRecord* newest_ = nullptr;
+  bool newest_is_fresh_ = false;
+  std::int64_t start_monotonic_ns_ = 0;
+  std::int64_t last_told_monotonic_ns_ = 0;
+  std::int64_t last_fix_monotonic_ns_ = 0;
+  std::uint16_t epoch_number_ = 0;
+  std::uint16_t told_faults_ = 0;
+  std::uint8_t alive_ = 0;
+
+  std::atomic<std::uint32_t> modbus_clients_{0};
+  base::Latest<PublishHealth> health_;
+  base::Latest<hal::FieldBusHealth> bus_health_;
+  base::DurationHistogram packet_to_bus_;
+};
+
+}  // namespace adit::app

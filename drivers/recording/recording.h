@@ -21,10 +21,12 @@ struct ImageEntry {
 /// The index of a recording; images are read when asked for.
 struct Recording {
   std::string folder;
-  std::vector<ImageEntry> left, right;  ///< ascending in time
+  std::vector<ImageEntry> left, right;  ///< ascending in time, none empty
 };
 
-/// Reads the two data.csv. Refuses a missing folder, malformed or unsorted lines (file and line named).
+/// Reads the two data.csv (`#timestamp [ns],filename`; lines that start with # and CRLF ends are accepted).
+/// Refuses, with file and line: a missing folder or file, malformed lines, times that do not ascend, file
+/// names that leave the folder, images that are not there, a camera without images.
 base::Result<Recording> OpenRecording(const std::string& folder);
 
 /// An image in memory, 8 or 16 bit.
@@ -37,20 +39,25 @@ struct StoredImage {
   }
 };
 
-/// Reads one PNG; declines with the file's name.
+/// Reads one grey PNG of 8 or 16 bit; declines with the file's name.
 base::Result<StoredImage> ReadImage(const std::string& path);
 
-/// Writes a recording frame by frame. The folder must not exist or be empty. data.csv is complete only after
-/// Finish.
+/// Writes a recording frame by frame. Images of 9 to 15 bit are stored in 16 bit PNGs with their most
+/// significant bits repeated below (v << (16 - b) | v >> (2 b - 16)): black stays 0, saturated becomes 65535,
+/// and the original is the upper b bits. data.csv appears only in Finish, so that a recording that was cut
+/// short cannot be taken for a whole one.
 class RecordingWriter {
  public:
+  /// The folder must not exist or be empty.
   static base::Result<RecordingWriter> Create(const std::string& folder, const std::string& left_sensor_yaml,
                                               const std::string& right_sensor_yaml);
   ~RecordingWriter();
   RecordingWriter(RecordingWriter&&) noexcept;
   RecordingWriter& operator=(RecordingWriter&&) noexcept;
 
+  /// Times must ascend on each side. The two sides may be written by two threads at once.
   base::Result<void> Write(base::Side side, base::TimeNs mid_exposure_ns, const base::ImageView& image);
+  /// Once, after the last Write.
   base::Result<void> Finish();
 
  private:

@@ -28,6 +28,7 @@ struct SightingSet {
   const detect::BlobSet* blob_set = nullptr;  ///< the predecessor; outlives this record
   base::FixedVector<Sighting, kMaxSightings> sightings;
   std::uint32_t no_room = 0;  ///< sightings that did not fit
+  bool cut_short = false;     ///< the search reached its budget: sightings may be missing
 };
 
 }  // namespace adit::identify

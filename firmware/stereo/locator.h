@@ -7,19 +7,26 @@
 #include "firmware/base/target.h"
 #include "firmware/identify/sighting_set.h"
 #include "firmware/optics/rig.h"
+#include "firmware/stereo/locator_options.h"
 #include "firmware/stereo/point_set.h"
 
 namespace adit::stereo {
 
-/// Locates targets in the rig frame. No allocation after construction; one thread.
+/// Locates targets in the rig frame (seed 4.3.5). No allocation after construction; one thread.
+///
+/// Every left sighting is a hypothesis. Its LEDs' counterparts are sought along the epipolar lines; every
+/// choice of them whose distances fit is triangulated, validated and fitted as a rigid bar. What passes more
+/// than once without a clear best is not reported: a wrong position can hurt, a missing one only stops work.
 class Locator {
  public:
-  Locator(const optics::Rig& rig, const std::vector<base::Target>& targets);
+  Locator(const optics::Rig& rig, const std::vector<base::Target>& targets,
+          const LocatorOptions& options = {});
   ~Locator();
   Locator(Locator&&) noexcept;
   Locator& operator=(Locator&&) noexcept;
 
-  /// Both sets must outlive `out`.
+  /// Fills one entry per target, in model order, found or lost with its reason. `right` needs no sightings,
+  /// only its blobs. A frame that is not kOk loses every target (kNoFrame). Both sets must outlive `out`.
   void Locate(const identify::SightingSet& left, const identify::SightingSet& right, PointSet& out);
 
  private:

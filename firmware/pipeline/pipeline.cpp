@@ -1,0 +1,63 @@
+#include "firmware/pipeline/pipeline.h"
+
+#include <algorithm>
+#include <string>
+
+namespace adit::pipeline {
+namespace {
+
+identify::IdentifierOptions IdentifierOptionsOf(const optics::CameraModel& camera) {
+  identify::IdentifierOptions options;
+  options.focal_px = std::min(camera.fu_px, camera.fv_px);
+  return options;
+}
+
+std::vector<base::Target> TargetsOf(const std::vector<identify::Model>& models) {
+  std::vector<base::Target> targets;
+  for (const identify::Model& model : models) targets.push_back(model.target);
+  return targets;
+}
+
+}  // namespace
+
+base::Result<Pipeline> Pipeline::Make(const optics::Rig& rig, const std::vector<identify::Model>& models,
+                                      const PipelineOptions& options) {
+  const auto refusal = [](std::string detail) {
+    return base::Error{base::ErrorCode::kOutOfRange, "models", std::move(detail)};
+  };
+  if (models.empty() || models.size() > identify::kMaxTargets) {
+    return refusal("there are " + std::to_string(models.size()) + "; from 1 to " +
+                   std::to_string(identify::kMaxTargets) + " are allowed");
+  }
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (models[i].target.name == models[j].target.name)
+        return refusal("two are named " + models[i].target.name + "; names must differ");
+    }
+  }
+  return Pipeline(rig, models, options);
+}
+
+Pipeline::Pipeline(const optics::Rig& rig, const std::vector<identify::Model>& models,
+                   const PipelineOptions& options)
+    : models_(models),
+      left_detector_(rig.left, options.detector),
+      right_detector_(rig.right, options.detector),
+      left_identifier_(models, IdentifierOptionsOf(rig.left)),
+      locator_(rig, TargetsOf(models)) {}
+
+void Pipeline::Detect(const base::CameraFrame& frame, detect::BlobSet& blobs) {
+  (frame.stamp.side == base::Side::kLeft ? left_detector_ : right_detector_).Detect(frame, blobs);
+}
+
+void Pipeline::Locate(const detect::BlobSet& left, const detect::BlobSet& right, PairResult& result) {
+  left_identifier_.Identify(left, result.left);
+  // Targets are sought in the left image only; the epipolar lines find them in the right one (seed 4.3.5).
+  result.right.blob_set = &right;
+  result.right.sightings.clear();
+  locator_.Locate(result.left, result.right, result.points);
+  tracker_.Track(result.points, result.states);
+  georeference_.Apply(result.states, result.fixes);
+}
+
+}  // namespace adit::pipeline

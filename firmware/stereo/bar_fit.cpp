@@ -1,0 +1,140 @@
+#include "firmware/stereo/bar_fit.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+
+#include "firmware/stereo/levenberg_marquardt.h"
+
+namespace adit::stereo {
+
+using base::kLedCount;
+using Eigen::Vector3d;
+
+namespace {
+
+using Tangent = Eigen::Matrix<double, 3, 2>;
+
+double MeanPlaceM(const base::Target& target) {
+  return (target.leds_m[0] + target.leds_m[1] + target.leds_m[2] + target.leds_m[3]) / kLedCount;
+}
+
+Tangent TangentOf(const Vector3d& direction) {
+  Tangent tangent;
+  tangent.col(0) = direction.unitOrthogonal();
+  tangent.col(1) = direction.cross(tangent.col(0));
+  return tangent;
+}
+
+/// Sixteen whitened reprojection residuals of a bar.
+struct BarProblem {
+  static constexpr int kParameters = 5, kResiduals = 4 * kLedCount;
+  using State = Bar;
+  using Jacobian = Eigen::Matrix<double, kResiduals, kParameters>;
+  const Views* views;
+  const BarObservations* observations;
+  std::array<double, kLedCount> offset_m;  ///< of each LED from the centre
+  std::array<std::array<Eigen::Matrix2d, 2>, kLedCount> whiteners;
+
+  BarProblem(const Views& both, const base::Target& target, const BarObservations& measured, double floor_px)
+      : views(&both), observations(&measured) {
+    for (std::size_t i = 0; i < kLedCount; ++i) {
+      offset_m[i] = target.leds_m[i] - MeanPlaceM(target);
+      for (std::size_t s = 0; s < 2; ++s) whiteners[i][s] = measured[i][s].Whitener(floor_px);
+    }
+  }
+
+  /// Residuals in px and their derivatives, or both whitened.
+  bool Linearise(const Bar& bar, bool whiten, BarResiduals& residuals, Jacobian& jacobian) const {
+    const Tangent tangent = TangentOf(bar.direction_b);
+    for (std::size_t i = 0; i < kLedCount; ++i) {
+      const Vector3d point_m = bar.centre_b_m + offset_m[i] * bar.direction_b;
+      for (std::size_t s = 0; s < 2; ++s) {
+        Eigen::Vector2d seen;
+        Eigen::Matrix<double, 2, 3> slope;
+        if (!(*views)[s].Project(point_m, seen, slope)) return false;
+        const auto row = static_cast<Eigen::Index>(4 * i + 2 * s);
+        const Eigen::Matrix2d w = whiten ? whiteners[i][s] : Eigen::Matrix2d(Eigen::Matrix2d::Identity());
+        residuals.segment<2>(row) = w * (seen - (*observations)[i][s].px);
+        const Eigen::Matrix<double, 2, 3> by_point = w * slope;
+        jacobian.block<2, 3>(row, 0) = by_point;
+        jacobian.block<2, 2>(row, 3) = offset_m[i] * by_point * tangent;
+      }
+    }
+    return true;
+  }
+
+  bool Evaluate(const Bar& bar, BarResiduals& residuals, Jacobian& jacobian) const {
+    return Linearise(bar, true, residuals, jacobian);
+  }
+  Bar Moved(const Bar& bar, const Eigen::Matrix<double, 5, 1>& step) const {
+    return {bar.centre_b_m + step.head<3>(),
+            (bar.direction_b + TangentOf(bar.direction_b) * step.tail<2>()).normalized()};
+  }
+};
+
+}  // namespace
+
+Vector3d BarFit::PointM(const base::Target& target, double place_m) const {
+  return bar.centre_b_m + (place_m - MeanPlaceM(target)) * bar.direction_b;
+}
+
+Eigen::Matrix3d BarFit::PointCovarianceM2(const base::Target& target, double place_m) const {
+  Eigen::Matrix<double, 3, 5> by_parameters;
+  by_parameters << Eigen::Matrix3d::Identity(), (place_m - MeanPlaceM(target)) * tangent;
+  return by_parameters * covariance * by_parameters.transpose();
+}
+
+Eigen::Matrix3d BarFit::DirectionCovariance() const {
+  return tangent * covariance.bottomRightCorner<2, 2>() * tangent.transpose();
+}
+
+std::optional<BarFit> FitBar(const Views& views, const base::Target& target,
+                             const BarObservations& observations,
+                             const std::array<Vector3d, kLedCount>& leds_b_m) {
+  BarFit fit;
+  Vector3d direction = Vector3d::Zero();
+  for (std::size_t i = 0; i < kLedCount; ++i) {
+    fit.bar.centre_b_m += leds_b_m[i] / kLedCount;
+    direction += (target.leds_m[i] - MeanPlaceM(target)) * leds_b_m[i];
+  }
+  if (!(direction.norm() > 0)) return std::nullopt;
+  fit.bar.direction_b = direction.normalized();
+  const BarProblem problem(views, target, observations, 0);
+  const auto minimum = Minimise(problem, fit.bar);
+  if (!minimum.converged) return std::nullopt;
+  fit.covariance = minimum.information.inverse();
+  if (!fit.covariance.allFinite()) return std::nullopt;
+  fit.tangent = TangentOf(fit.bar.direction_b);
+  BarProblem::Jacobian unused;
+  problem.Linearise(fit.bar, false, fit.residuals_px, unused);
+  return fit;
+}
+
+double ChiSquare(const Views& views, const base::Target& target, const BarObservations& observations,
+                 const BarFit& fit, const FitAllowance& allowance) {
+  // The allowances are further parameters with a prior. Minimising over them and the bar once more, to first
+  // order, leaves r^T r - b^T N^-1 b: no second fit is needed.
+  constexpr int kColumns = 8;  // bar 5, shift of the right image 2, scale 1
+  const BarProblem problem(views, target, observations, allowance.centroid_px);
+  BarResiduals residuals;
+  BarProblem::Jacobian by_bar;
+  if (!problem.Linearise(fit.bar, true, residuals, by_bar)) return HUGE_VAL;
+  Eigen::Matrix<double, BarProblem::kResiduals, kColumns> by_all;
+  by_all << by_bar, Eigen::Matrix<double, BarProblem::kResiduals, 3>::Zero();
+  for (std::size_t i = 0; i < kLedCount; ++i) {
+    const auto row = static_cast<Eigen::Index>(4 * i);
+    by_all.block<2, 2>(row + 2, 5) = problem.whiteners[i][1];
+    // A larger bar: each LED moves out along the direction. by_bar's first three columns are by the point.
+    by_all.block<4, 1>(row, 7) = by_bar.block<4, 3>(row, 0) * fit.bar.direction_b * problem.offset_m[i];
+  }
+  Eigen::Matrix<double, kColumns, kColumns> normal = by_all.transpose() * by_all;
+  const auto prior = [](double sigma) { return 1 / (sigma * sigma); };
+  normal(5, 5) += prior(allowance.right_image_px);
+  normal(6, 6) += prior(allowance.right_image_px);
+  normal(7, 7) += prior(allowance.scale);
+  const Eigen::Matrix<double, kColumns, 1> b = by_all.transpose() * residuals;
+  return residuals.squaredNorm() - b.dot(normal.ldlt().solve(b));
+}
+
+}  // namespace adit::stereo

@@ -1,0 +1,58 @@
+// Four LEDs on a rigid bar -> where the bar is.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "firmware/base/target.h"
+#include "firmware/stereo/view.h"
+
+namespace adit::stereo {
+
+/// The centroids of LED 1 to LED 4 in both images.
+using BarObservations = std::array<ObservationPair, base::kLedCount>;
+/// Residuals of a bar: LED by LED, left before right, u before v.
+using BarResiduals = Eigen::Matrix<double, 4 * base::kLedCount, 1>;
+
+/// A bar in the rig frame: the mean place of its LEDs and its direction. The mean, because the estimate of
+/// place and direction are then nearly uncorrelated.
+struct Bar {
+  Eigen::Vector3d centre_b_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d direction_b = Eigen::Vector3d::UnitX();  ///< unit, LED 1 to LED 4
+};
+
+/// A fitted bar.
+struct BarFit {
+  Bar bar;
+  /// Of centre (3) and of direction (2, in the tangent plane `tangent`).
+  Eigen::Matrix<double, 5, 5> covariance = Eigen::Matrix<double, 5, 5>::Zero();
+  Eigen::Matrix<double, 3, 2> tangent = Eigen::Matrix<double, 3, 2>::Zero();
+  BarResiduals residuals_px = BarResiduals::Zero();  ///< seen minus measured
+
+  /// The point `place_m` along the bar from LED 1, and its covariance.
+  Eigen::Vector3d PointM(const base::Target& target, double place_m) const;
+  Eigen::Matrix3d PointCovarianceM2(const base::Target& target, double place_m) const;
+  /// Rank 2: a unit vector moves in its tangent plane only.
+  Eigen::Matrix3d DirectionCovariance() const;
+};
+
+/// Fits the rigid bar to the 16 coordinates, weighted by the centroids' covariances: 5 parameters,
+/// Levenberg-Marquardt from the line through `leds_b_m`. Declines bars that reach behind a camera and what
+/// does not converge.
+std::optional<BarFit> FitBar(const Views& views, const base::Target& target,
+                             const BarObservations& observations,
+                             const std::array<Eigen::Vector3d, base::kLedCount>& leds_b_m);
+
+/// What a calibration may be off by, and the centroids beyond their covariance; 1 sigma each.
+struct FitAllowance {
+  double centroid_px = 0;
+  double right_image_px = 0;  ///< the right image as a whole, in u and in v: the rig has turned a little
+  double scale = 0;           ///< of all distances
+};
+
+/// Chi-square of the fit's residuals, 11 degrees of freedom, after the best common shift of the right image
+/// and the best scale within `allowance` are taken out.
+double ChiSquare(const Views& views, const base::Target& target, const BarObservations& observations,
+                 const BarFit& fit, const FitAllowance& allowance);
+
+}  // namespace adit::stereo

@@ -1,0 +1,108 @@
+#include "firmware/stereo/choice.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace adit::stereo {
+
+using base::kLedCount;
+using Eigen::Vector3d;
+
+namespace {
+
+double SigmaM(const Solution& s) { return std::sqrt(s.points.epicenter_covariance_m2.trace()); }
+
+/// How far two places of a target may differ and still be one.
+double SameWithinM(const Solution& a, const Solution& b, const LocatorOptions& options) {
+  constexpr double kSameM = 0.010;  // a position 10 mm off harms nobody
+  return kSameM + options.sigmas * (SigmaM(a) + SigmaM(b));
+}
+
+bool SamePlace(const Solution& a, const Solution& b, const LocatorOptions& options) {
+  const double within_m = SameWithinM(a, b, options);
+  for (std::size_t i = 0; i < kLedCount; ++i) {
+    if (!((a.points.leds_b_m[i] - b.points.leds_b_m[i]).norm() <= within_m)) return false;
+  }
+  return (a.points.epicenter_b_m - b.points.epicenter_b_m).norm() <= within_m;
+}
+
+/// Whether `image` is `real` seen in a plane mirror: every LED moved along the plane's normal by twice its
+/// distance from the plane, real on the cameras' side, and no brighter.
+bool IsMirrorImage(const Views& views, const Solution& real, const Solution& image,
+                   const LocatorOptions& options) {
+  constexpr double kDimmer = 1.2;     // a mirror does not amplify; a fifth for angle and noise
+  constexpr double kWaviness = 0.01;  // of the separation: surfaces that still show an image are this flat
+  Vector3d normal = Vector3d::Zero(), on_plane_m = Vector3d::Zero();
+  for (std::size_t i = 0; i < kLedCount; ++i) {
+    normal += image.points.leds_b_m[i] - real.points.leds_b_m[i];
+    on_plane_m += (image.points.leds_b_m[i] + real.points.leds_b_m[i]) / (2 * kLedCount);
+  }
+  const double separation_m = normal.norm() / kLedCount;
+  normal.normalize();
+  const double within_m = SameWithinM(real, image, options) + kWaviness * separation_m;
+  if (!(separation_m > 2 * within_m) || image.flux_dn > kDimmer * real.flux_dn) return false;
+  for (const View& view : views) {
+    if (normal.dot(view.CentreM() - on_plane_m) >= 0) return false;
+  }
+  for (std::size_t i = 0; i < kLedCount; ++i) {
+    const Vector3d& p = real.points.leds_b_m[i];
+    const Vector3d mirrored = p + 2 * normal.dot(on_plane_m - p) * normal;
+    if (!((mirrored - image.points.leds_b_m[i]).norm() <= within_m)) return false;
+  }
+  return true;
+}
+
+bool ShareABlob(const Solution& a, const Solution& b) {
+  const auto shares = [](const BlobIndices& x, const BlobIndices& y) {
+    return std::any_of(x.begin(), x.end(),
+                       [&y](std::uint16_t i) { return std::find(y.begin(), y.end(), i) != y.end(); });
+  };
+  return shares(a.left, b.left) || shares(a.right, b.right);
+}
+
+}  // namespace
+
+const Solution* Choose(const Views& views, const LocatorOptions& options, Finding& finding) {
+  if (finding.solutions.empty() && !finding.crowded) return nullptr;
+  finding.reason = LossReason::kAmbiguous;
+  if (finding.crowded) return nullptr;
+  auto& solutions = finding.solutions;
+  std::sort(solutions.begin(), solutions.end(),
+            [](const Solution& a, const Solution& b) { return a.chi_square < b.chi_square; });
+  const auto is_reflection = [&](const Solution& s) {
+    return std::any_of(solutions.begin(), solutions.end(),
+                       [&](const Solution& other) { return IsMirrorImage(views, other, s, options); });
+  };
+  const Solution* best = nullptr;
+  for (const Solution& s : solutions) {
+    if (is_reflection(s)) continue;
+    if (best == nullptr) {
+      best = &s;
+    } else if (!SamePlace(*best, s, options) && s.chi_square < best->chi_square + options.chi_square_margin) {
+      return nullptr;
+    }
+  }
+  if (best != nullptr) finding.reason = LossReason::kNone;
+  return best;
+}
+
+void ResolveShared(const LocatorOptions& options, std::vector<const Solution*>& chosen,
+                   std::vector<Finding>& findings) {
+  std::array<bool, identify::kMaxTargets> falls{};
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    for (std::size_t j = i + 1; j < chosen.size(); ++j) {
+      if (chosen[i] == nullptr || chosen[j] == nullptr || !ShareABlob(*chosen[i], *chosen[j])) continue;
+      const double difference = chosen[i]->chi_square - chosen[j]->chi_square;
+      if (difference > -options.chi_square_margin) falls[i] = true;
+      if (difference < options.chi_square_margin) falls[j] = true;
+    }
+  }
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (!falls[i]) continue;
+    chosen[i] = nullptr;
+    findings[i].reason = LossReason::kAmbiguous;
+  }
+}
+
+}  // namespace adit::stereo

@@ -1,0 +1,33 @@
+// One answer per target, or none: what to do when several places pass.
+#pragma once
+
+#include <vector>
+
+#include "firmware/base/fixed_vector.h"
+#include "firmware/stereo/solution.h"
+
+namespace adit::stereo {
+
+inline constexpr std::size_t kMaxSolutions = 8;  ///< of one target; more are ambiguous anyway
+
+/// What the search found for one target.
+struct Finding {
+  base::FixedVector<Solution, kMaxSolutions> solutions;
+  LossReason reason = LossReason::kNotSeen;  ///< of the hypothesis that came farthest
+  bool crowded = false;                      ///< hypotheses were left out: nothing may be concluded
+};
+
+/// The one solution that stands, or null with `finding.reason` set.
+///
+/// Solutions at one place (within `options.sigmas` and 10 mm) count as the better one. A place and its mirror
+/// image in a plane count as the one on the cameras' side of the plane: the other is its reflection, in water
+/// or a wall. Of what remains, the best stands if its chi-square is smaller by
+/// `options.chi_square_margin`; otherwise none does (kAmbiguous).
+const Solution* Choose(const Views& views, const LocatorOptions& options, Finding& finding);
+
+/// No blob belongs to two targets: of two that share one, the clearly better stands, or neither. `chosen` has
+/// an entry per target (null: none); those that fall become null with their finding's reason kAmbiguous.
+void ResolveShared(const LocatorOptions& options, std::vector<const Solution*>& chosen,
+                   std::vector<Finding>& findings);
+
+}  // namespace adit::stereo

@@ -38,8 +38,9 @@ class DropOldestRing {
     if (write - read == N) {
       // relaxed: this thread wrote the slot itself.
       const T oldest = slots_[read % N].load(std::memory_order_relaxed);
-      // acq_rel: as above; on failure the consumer has taken it and there is room now (acquire for the
-      // reuse).
+      // release: a consumer that sees the position moved sees the write_ ahead of it too; with an older one
+      // it would run past the end. acquire: on failure the consumer has taken the item, and its read of the
+      // slot is over before we reuse it.
       if (read_.compare_exchange_strong(read, read + 1, std::memory_order_acq_rel,
                                         std::memory_order_acquire)) {
         dropped = oldest;
@@ -59,8 +60,8 @@ class DropOldestRing {
       // acquire: pairs with the release in Push; slot and pointee are visible.
       if (read == write_.load(std::memory_order_acquire)) return std::nullopt;
       const T item = slots_[read % N].load(std::memory_order_relaxed);
-      // acq_rel: release keeps the slot read above before the hand-back; acquire on failure for the next
-      // round.
+      // release: the read of the slot above is over before the producer, which acquires the new position,
+      // reuses the slot. acquire: on failure the producer moved the position; see the write_ ahead of it.
       if (read_.compare_exchange_weak(read, read + 1, std::memory_order_acq_rel, std::memory_order_acquire)) {
         return item;
       }

@@ -37,10 +37,11 @@ struct CameraOrder {
   std::string trigger_source;
   bool ptp = true;
   int buffers = 16;
+  base::TimeNs replay_epoch_ns = base::kNever;  ///< when a recording begins again; the same for both sides
 };
 
-/// Makes the camera; Start opens it.
-std::unique_ptr<hal::Camera> MakeCamera(const CameraOrder& order);
+/// Makes the camera; Start opens it. `clock` outlives it.
+std::unique_ptr<hal::Camera> MakeCamera(const CameraOrder& order, const hal::Clock& clock);
 
 /// A field bus as the configuration asks for it.
 struct FieldBusOrder {
@@ -49,8 +50,9 @@ struct FieldBusOrder {
   std::string log;             ///< file (candump)
 };
 
-/// Opens the bus; declines with the interface or file.
-base::Result<std::unique_ptr<hal::FieldBus>> OpenFieldBus(const FieldBusOrder& order);
+/// Opens the bus; declines with the interface or file. `clock` outlives it.
+base::Result<std::unique_ptr<hal::FieldBus>> OpenFieldBus(const FieldBusOrder& order,
+                                                          const hal::Clock& clock);
 
 /// A server that answers a PLC until it is destroyed.
 class RegisterServer {

@@ -87,8 +87,11 @@ base::Result<std::unique_ptr<Box>> Box::Make(const config::BoxConfig& config) {
 
 Box::Box(const config::BoxConfig& config, const optics::Rig& rig, pipeline::Pipeline pipeline)
     : config_(config), pipeline_(std::move(pipeline)) {
-  left_camera_ = board::MakeCamera(OrderOf(config, base::Side::kLeft, rig.left));
-  right_camera_ = board::MakeCamera(OrderOf(config, base::Side::kRight, rig.right));
+  board::CameraOrder left = OrderOf(config, base::Side::kLeft, rig.left);
+  board::CameraOrder right = OrderOf(config, base::Side::kRight, rig.right);
+  left.replay_epoch_ns = right.replay_epoch_ns = clock_.Now() + kReplayDelayNs;
+  left_camera_ = board::MakeCamera(left, clock_);
+  right_camera_ = board::MakeCamera(right, clock_);
   const base::DurationNs period_ns = Nanoseconds(1 / config.cameras.rate_hz);
   // The pairing thread waits on a wake-up of its own, so the lanes come after it.
   pair_loop_ =
@@ -115,7 +118,7 @@ Box::~Box() { Stop(); }
 base::Result<void> Box::OpenOutputs() {
   const config::CanConfig& can = config_.publish.can;
   if (can.driver != "none") {
-    auto bus = board::OpenFieldBus({can.driver, can.interface_name, config_.Resolve(can.log)});
+    auto bus = board::OpenFieldBus({can.driver, can.interface_name, config_.Resolve(can.log)}, clock_);
     if (!bus) return bus.error();
     bus_ = std::move(*bus);
   }

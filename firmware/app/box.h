@@ -53,6 +53,7 @@ class Box {
   };
 
   config::BoxConfig config_;
+  board::SystemClock clock_;
   PublisherOptions publisher_options_;
   pipeline::Pipeline pipeline_;
   std::unique_ptr<hal::Camera> left_camera_, right_camera_;

@@ -1,6 +1,8 @@
 // What the georeference hands on: targets in the site grid, ready to be published.
 #pragma once
 
+#include <array>
+
 #include "firmware/track/target_state.h"
 
 namespace adit::georef {
@@ -12,6 +14,7 @@ struct GeoFix {
   Eigen::Vector3d position_s_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_s_m2 = Eigen::Matrix3d::Zero();
   Eigen::Vector3d direction_s = Eigen::Vector3d::Zero();
+  std::array<Eigen::Vector3d, base::kLedCount> leds_s_m{};  ///< each LED on its own
 };
 
 struct GeoFixSet {

@@ -13,6 +13,7 @@ void Georeference::Apply(const track::TargetStateSet& states, GeoFixSet& out) co
       fix.position_s_m = pose * state.points.epicenter_b_m;
       fix.covariance_s_m2 = pose.rotation * state.points.epicenter_covariance_m2 * pose.rotation.transpose();
       fix.direction_s = pose.rotation * state.points.direction_b;
+      for (std::size_t i = 0; i < fix.leds_s_m.size(); ++i) fix.leds_s_m[i] = pose * state.points.leds_b_m[i];
     }
     out.targets.push_back(fix);
   }

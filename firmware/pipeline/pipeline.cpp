@@ -1,6 +1,7 @@
 #include "firmware/pipeline/pipeline.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace adit::pipeline {
@@ -10,6 +11,19 @@ identify::IdentifierOptions IdentifierOptionsOf(const optics::CameraModel& camer
   identify::IdentifierOptions options;
   options.focal_px = std::min(camera.fu_px, camera.fv_px);
   return options;
+}
+
+/// Whether two bars, one of them perhaps read backwards, have the same gaps within what the locator's
+/// distance check allows: then every sighting of one is one of the other.
+bool LookAlike(const base::Target& a, const base::Target& b) {
+  const double within_m = stereo::LocatorOptions{}.scale * std::max(a.LengthM(), b.LengthM());
+  bool forward = true, backward = true;
+  for (std::size_t i = 0; i < a.leds_m.size(); ++i) {
+    const double reversed_m = b.LengthM() - b.leds_m[b.leds_m.size() - 1 - i];
+    forward = forward && std::abs(a.leds_m[i] - b.leds_m[i]) <= within_m;
+    backward = backward && std::abs(a.leds_m[i] - reversed_m) <= within_m;
+  }
+  return forward || backward;
 }
 
 std::vector<base::Target> TargetsOf(const std::vector<identify::Model>& models) {
@@ -33,6 +47,9 @@ base::Result<Pipeline> Pipeline::Make(const optics::Rig& rig, const std::vector<
     for (std::size_t j = 0; j < i; ++j) {
       if (models[i].target.name == models[j].target.name)
         return refusal("two are named " + models[i].target.name + "; names must differ");
+      if (LookAlike(models[i].target, models[j].target))
+        return refusal(models[j].target.name + " and " + models[i].target.name +
+                       " have the same LED gaps within 0.5 % of the length; they could not be told apart");
     }
   }
   return Pipeline(rig, models, options);

@@ -29,7 +29,7 @@ struct PairResult {
 /// The chain of the stages. Detect may run in one thread per side at once; Locate in one other thread.
 class Pipeline {
  public:
-  /// Refuses no models, too many, or two of one name.
+  /// Refuses no models, too many, two of one name, or two whose LED gaps are the same within 0.5 %.
   static base::Result<Pipeline> Make(const optics::Rig& rig, const std::vector<identify::Model>& models,
                                      const PipelineOptions& options);
 

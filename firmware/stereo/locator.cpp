@@ -146,7 +146,8 @@ void Locator::Locate(const identify::SightingSet& left, const identify::Sighting
   State& s = *state_;
   const base::FrameStamp& left_stamp = left.blob_set->stamp;
   const base::FrameStamp& right_stamp = right.blob_set->stamp;
-  out.stamp = left_stamp;
+  // A pair whose left frame never came is dated by its right one.
+  out.stamp = left_stamp.mid_exposure_ns != base::kNever ? left_stamp : right_stamp;
   out.stamp.last_packet_ns = std::max(left_stamp.last_packet_ns, right_stamp.last_packet_ns);
   out.left = &left;
   out.right = &right;

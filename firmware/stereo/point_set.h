@@ -47,7 +47,8 @@ struct TargetPoints {
 
 /// One entry for every target of the model list, in its order, found or lost.
 struct PointSet {
-  base::FrameStamp stamp;  ///< of the left image; last_packet_ns is the later of the two
+  base::FrameStamp
+      stamp;  ///< of the left image (the right, if the left is undated); last_packet_ns: the later one's
   const identify::SightingSet* left = nullptr;
   const identify::SightingSet* right = nullptr;
   base::FixedVector<TargetPoints, identify::kMaxTargets> targets;

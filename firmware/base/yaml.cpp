@@ -2,7 +2,10 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -10,10 +13,26 @@
 namespace adit::base {
 namespace {
 
+constexpr std::size_t kLargestFileBytes = 1 << 20;  // settings are some KB; more is the wrong file
+
+/// What a file says, fit for one line of a terminal: without control characters, and not longer than it
+/// helps.
+std::string Printable(const std::string& raw) {
+  constexpr std::size_t kLongestBytes = 60;
+  std::string text;
+  for (const char c : raw) {
+    // A continuation byte of UTF-8 belongs to the character before it.
+    const bool starts = (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+    if (text.size() >= kLongestBytes && starts) return text + "...";
+    text += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
+  }
+  return text;
+}
+
 std::string Show(const YAML::Node& node) {
   std::string text;
   if (node.IsScalar()) {
-    text = "'" + node.Scalar() + "'";
+    text = "'" + Printable(node.Scalar()) + "'";
   } else if (node.IsSequence()) {
     text = "a list of " + std::to_string(node.size());
   } else if (node.IsMap()) {
@@ -44,6 +63,10 @@ std::string Join(const std::vector<std::string>& words) {
   return text;
 }
 
+std::string KeyOf(const YAML::Node& key) { return key.IsScalar() ? Printable(key.Scalar()) : Show(key); }
+
+std::string At(const std::string& key, std::size_t index) { return key + "[" + std::to_string(index) + "]"; }
+
 bool ParseNumber(const YAML::Node& node, double& out) {
   if (!node.IsScalar()) return false;
   double value = 0;
@@ -69,26 +92,46 @@ struct YamlReader::Node {
 YamlReader::YamlReader(std::shared_ptr<Document> document, std::shared_ptr<Node> node)
     : document_(std::move(document)), node_(std::move(node)) {
   document_->nodes.push_back(node_);
+  // YAML forbids a key twice in a map; the library takes the first and is silent.
+  std::set<std::string> keys;
+  for (const auto& entry : node_->yaml) {
+    const std::string key = KeyOf(entry.first);
+    if (!keys.insert(key).second) Refuse(key, "stands there twice; give it once");
+  }
 }
 
 Result<YamlReader> YamlReader::OpenFile(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    return Error{ErrorCode::kNotFound, path, "cannot be read: no such file, no permission, or empty"};
-  }
-  return OpenText(text.str(), path);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    return Error{ErrorCode::kNotFound, path, "is a folder; give the path of a YAML file"};
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Error{ErrorCode::kNotFound, path, std::string("cannot be read: ") + std::strerror(errno)};
+  // One more than allowed, so that a device that never ends is no trap.
+  std::string text(kLargestFileBytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad()) return Error{ErrorCode::kUnavailable, path, "cannot be read: the device reports an error"};
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return OpenText(text, path);
 }
 
 Result<YamlReader> YamlReader::OpenText(const std::string& text, const std::string& name) {
+  if (text.size() > kLargestFileBytes)
+    return Error{ErrorCode::kMalformed, name, "is larger than 1 MiB; a settings file has some KB"};
+  if (text.find('\0') != std::string::npos)
+    return Error{ErrorCode::kMalformed, name, "is not YAML: it holds zero bytes, as binary files do"};
   auto document = std::make_shared<Document>();
   document->name = name;
   auto root = std::make_shared<Node>();
   try {
-    root->yaml = YAML::Load(text);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      return Error{ErrorCode::kMalformed, name,
+                   "holds " + std::to_string(documents.size()) + " YAML documents (---); one is allowed"};
+    }
+    if (!documents.empty()) root->yaml = documents.front();
   } catch (const YAML::Exception& e) {
     return Error{ErrorCode::kMalformed, name + ":" + std::to_string(e.mark.line + 1),
-                 "is not YAML: " + e.msg};
+                 "is not YAML: " + Printable(e.msg)};
   }
   if (!root->yaml.IsMap()) {
     return Error{ErrorCode::kMalformed, name, "must be a map of keys, is " + Show(root->yaml)};
@@ -116,7 +159,7 @@ bool YamlReader::Has(const std::string& key) const {
 std::vector<std::string> YamlReader::Keys() const {
   std::vector<std::string> keys;
   if (node_->yaml.IsMap()) {
-    for (const auto& entry : node_->yaml) keys.push_back(entry.first.Scalar());
+    for (const auto& entry : node_->yaml) keys.push_back(KeyOf(entry.first));
   }
   return keys;
 }
@@ -137,6 +180,7 @@ double YamlReader::Number(const std::string& key, Range range) {
 }
 
 double YamlReader::NumberOr(const std::string& key, double fallback, Range range) {
+  node_->asked.insert(key);
   return Has(key) ? Number(key, range) : fallback;
 }
 
@@ -151,6 +195,7 @@ long YamlReader::Integer(const std::string& key, Range range) {
 }
 
 long YamlReader::IntegerOr(const std::string& key, long fallback, Range range) {
+  node_->asked.insert(key);
   return Has(key) ? Integer(key, range) : fallback;
 }
 
@@ -181,11 +226,12 @@ std::string YamlReader::TextOr(const std::string& key, const std::string& fallba
 }
 
 std::string YamlReader::Choice(const std::string& key, const std::vector<std::string>& allowed) {
+  if (!Has(key)) Refuse(key, "is missing; it must be one of: " + Join(allowed));
   const std::string value = Text(key);
   for (const std::string& word : allowed) {
     if (value == word) return value;
   }
-  Refuse(key, "is '" + value + "'; it must be one of: " + Join(allowed));
+  Refuse(key, "is '" + Printable(value) + "'; it must be one of: " + Join(allowed));
   return allowed.front();
 }
 
@@ -208,7 +254,7 @@ std::vector<double> YamlReader::Numbers(const std::string& key, std::size_t coun
   for (std::size_t i = 0; i < list.size(); ++i) {
     double number = 0;
     if (!ParseNumber(list[i], number) || number < range.min || number > range.max) {
-      Refuse(key + "[" + std::to_string(i) + "]", "is " + Show(list[i]) + "; it must be " + Show(range));
+      Refuse(At(key, i), "is " + Show(list[i]) + "; it must be " + Show(range));
     }
     numbers.push_back(number);
   }
@@ -217,20 +263,22 @@ std::vector<double> YamlReader::Numbers(const std::string& key, std::size_t coun
 
 std::vector<double> YamlReader::Matrix(const std::string& key, std::size_t rows, std::size_t columns) {
   node_->asked.insert(key);
+  std::vector<double> numbers(rows * columns, 0.0);
   const YAML::Node list = std::as_const(node_->yaml)[key];
   const std::string wanted = std::to_string(rows) + " rows of " + std::to_string(columns) + " numbers";
-  std::vector<double> numbers;
-  bool good = Has(key) && list.IsSequence() && list.size() == rows;
-  for (std::size_t r = 0; good && r < rows; ++r) {
-    good = list[r].IsSequence() && list[r].size() == columns;
-    for (std::size_t c = 0; good && c < columns; ++c) {
-      numbers.push_back(0);
-      good = ParseNumber(list[r][c], numbers.back());
-    }
-  }
-  if (!good) {
+  if (!Has(key) || !list.IsSequence() || list.size() != rows) {
     Refuse(key, (Has(key) ? "is " + Show(list) : std::string("is missing")) + "; it must be " + wanted);
-    numbers.assign(rows * columns, 0.0);
+    return numbers;
+  }
+  for (std::size_t r = 0; r < rows; ++r) {
+    if (!list[r].IsSequence() || list[r].size() != columns) {
+      Refuse(At(key, r), "is " + Show(list[r]) + "; it must be one of " + wanted);
+      return numbers;
+    }
+    for (std::size_t c = 0; c < columns; ++c) {
+      if (!ParseNumber(list[r][c], numbers[r * columns + c]))
+        Refuse(At(At(key, r), c), "is " + Show(list[r][c]) + "; it must be a number");
+    }
   }
   return numbers;
 }
@@ -244,7 +292,7 @@ std::vector<std::string> YamlReader::TextsOr(const std::string& key,
   if (!list.IsSequence()) Refuse(key, "is " + Show(list) + "; it must be a list of texts");
   for (std::size_t i = 0; list.IsSequence() && i < list.size(); ++i) {
     if (!list[i].IsScalar())
-      Refuse(key + "[" + std::to_string(i) + "]", "is " + Show(list[i]) + "; it must be a text");
+      Refuse(At(key, i), "is " + Show(list[i]) + "; it must be a text");
     else
       texts.push_back(list[i].Scalar());
   }
@@ -273,10 +321,12 @@ std::vector<YamlReader> YamlReader::Items(const std::string& key) {
   if (!list.IsSequence()) Refuse(key, "is " + Show(list) + "; it must be a list of maps");
   for (std::size_t i = 0; list.IsSequence() && i < list.size(); ++i) {
     auto node = std::make_shared<Node>();
-    const std::string name = key + "[" + std::to_string(i) + "]";
+    const std::string name = At(key, i);
     node->path = node_->path.empty() ? name : node_->path + "." + name;
-    node->yaml = list[i];
-    if (!list[i].IsMap()) Refuse(name, "is " + Show(list[i]) + "; it must be a map");
+    const bool is_map = list[i].IsMap();
+    if (!is_map) Refuse(name, "is " + Show(list[i]) + "; it must be a map");
+    // An empty map in its place: the library throws when asked for a key of a text.
+    node->yaml = is_map ? list[i] : YAML::Node(YAML::NodeType::Map);
     items.push_back(YamlReader(document_, node));
   }
   return items;
@@ -287,7 +337,7 @@ Result<void> YamlReader::Finish() {
   for (const auto& node : document_->nodes) {
     if (!node->yaml.IsMap()) continue;
     for (const auto& entry : node->yaml) {
-      const std::string key = entry.first.Scalar();
+      const std::string key = KeyOf(entry.first);
       if (node->asked.count(key) == 0) {
         const std::string path = node->path.empty() ? key : node->path + "." + key;
         std::vector<std::string> known(node->asked.begin(), node->asked.end());

@@ -21,7 +21,8 @@ struct Range {
 /// hot path.
 class YamlReader {
  public:
-  /// Opens a file. Declines with kNotFound or kMalformed.
+  /// Opens a file of at most 1 MiB. Declines with kNotFound (also for a folder) or kMalformed (also when
+  /// empty, binary, or several documents).
   static Result<YamlReader> OpenFile(const std::string& path);
   /// Reads text; `name` stands for the file in messages.
   static Result<YamlReader> OpenText(const std::string& text, const std::string& name);

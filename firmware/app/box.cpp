@@ -12,6 +12,9 @@
 namespace adit::app {
 namespace {
 
+// A recording starts this much after the program, when all threads wait for it.
+constexpr base::DurationNs kReplayDelayNs = base::kNsPerS / 2;
+
 board::CameraOrder OrderOf(const config::BoxConfig& config, base::Side side,
                            const optics::CameraModel& model) {
   const config::CamerasConfig& cameras = config.cameras;

@@ -57,8 +57,8 @@ class CameraLane {
   const base::DurationHistogram& DetectTime() const { return detect_time_; }
 
  private:
-  static constexpr std::size_t kFramesWaiting = 4;  // 67 ms at 60 Hz: older images are not worth the wait
-  static constexpr std::size_t kBlobSetsWaiting = 8;
+  static constexpr std::size_t kFramesWaiting = 4;     // 67 ms at 60 Hz: older images are not worth the wait
+  static constexpr std::size_t kBlobSetsWaiting = 32;  // the pairer may hold 16 of them
 
   void Grab();
   void Detect();

@@ -9,6 +9,7 @@
 #include "firmware/app/camera_lane.h"
 #include "firmware/app/fix_record.h"
 #include "firmware/base/histogram.h"
+#include "firmware/base/latest.h"
 #include "firmware/capture/pairer.h"
 #include "firmware/pipeline/pipeline.h"
 
@@ -52,21 +53,22 @@ class PairLoop {
   const base::DurationHistogram& LocateTime() const { return locate_time_; }
 
  private:
+  using Event = capture::PairerEvent<detect::BlobSet*>;
+
   void Run(const PairNeighbours& neighbours);
-  bool Step(const PairNeighbours& neighbours);
-  void Locate(const detect::BlobSet& left, const detect::BlobSet& right, const PairNeighbours& neighbours);
-  void Fill(FixRecord& record, const detect::BlobSet& left, const detect::BlobSet& right) const;
+  bool Take(CameraLane& lane);
+  void Handle(const Event& event, const PairNeighbours& neighbours);
+  void Locate(const detect::BlobSet& left, const detect::BlobSet& right, bool with_log);
+  void Fill(FixRecord& record, base::TimeNs last_packet_ns, base::TimeNs result_ns) const;
 
   pipeline::Pipeline& pipeline_;
   base::DurationNs exposure_ns_;
-  capture::Pairer pairer_;
+  capture::Pairer<detect::BlobSet*> pairer_;
   board::SystemClock clock_;
   board::Wakeup wake_;
   std::thread thread_;
   std::atomic<bool> stop_{false}, ended_{false};
 
-  detect::BlobSet* left_head_ = nullptr;  ///< waits for its partner
-  detect::BlobSet* right_head_ = nullptr;
   std::unique_ptr<pipeline::PairResult> result_;
   PublishConveyor to_publisher_;
   LogConveyor to_log_;

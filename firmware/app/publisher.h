@@ -10,6 +10,7 @@
 #include "firmware/app/camera_lane.h"
 #include "firmware/app/fix_record.h"
 #include "firmware/base/histogram.h"
+#include "firmware/base/latest.h"
 #include "firmware/publish/can_encoder.h"
 #include "firmware/publish/epoch.h"
 #include "firmware/publish/register_map.h"

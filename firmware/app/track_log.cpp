@@ -15,8 +15,10 @@ constexpr base::DurationNs kWaitRecordNs = 100 * base::kNsPerMs;  // bounded, so
 base::Result<void> TrackLog::Open(const std::string& path, std::vector<std::string> target_names) {
   file_.open(path, std::ios::trunc);
   if (!file_) {
-    return base::Error{base::ErrorCode::kUnavailable, path, std::string("cannot be written: ") + std::strerror(errno)};
+    return base::Error{base::ErrorCode::kUnavailable, path,
+                       std::string("cannot be written: ") + std::strerror(errno)};
   }
+  file_ << pipeline::TrackHeader() << "\n" << std::flush;
   names_ = std::move(target_names);
   return {};
 }
@@ -43,6 +45,16 @@ void TrackLog::Run(LogConveyor& records) {
     Drain(records);
   }
   Drain(records);
+}
+
+void TrackLog::Drain(LogConveyor& records) {
+  while (FixRecord* const record = records.Pop()) {
+    for (const georef::GeoFix& fix : record->fixes.targets) {
+      file_ << pipeline::FormatTrackRow(pipeline::TrackRowOf(fix, names_[fix.state.points.target])) << "\n";
+    }
+    records.GiveBack(record);
+  }
+  file_ << std::flush;  // whole lines only, so that a reader may follow
 }
 
 }  // namespace adit::app

@@ -15,6 +15,7 @@ using base::Error;
 using base::ErrorCode;
 using base::TimeNs;
 using Eigen::Vector3d;
+using pipeline::TrackRow;
 
 constexpr TimeNs kSameExposureNs = base::kNsPerMs;  // frames follow each other by 4 ms or more
 constexpr std::array<double, 7> kEdgesM{0, 20, 30, 50, 80, 110, 1000};
@@ -42,10 +43,10 @@ struct Sums {
   Figures figures;
   double squares_m2 = 0, nees = 0, bar_abs_m = 0, bar_squares_m2 = 0, true_bar_m = 0;
 
-  void Add(const TrackPoint& found, const TruthPoint& truth) {
+  void Add(const TrackRow& found, const TruthPoint& truth) {
     const Vector3d error_m = found.position_m - truth.position_m;
     ++figures.tracked;
-    figures.recovered += found.recovered ? 1 : 0;
+    figures.recovered += found.status == stereo::FixStatus::kRecovered ? 1 : 0;
     figures.max_m = std::max(figures.max_m, error_m.norm());
     figures.bias_m += error_m;
     figures.flips += found.direction.dot(truth.direction) < 0 ? 1 : 0;
@@ -83,7 +84,7 @@ class TargetSums {
   }
 
   /// One truth row, with what was found for it (or null).
-  void Add(const TruthPoint& truth, const TrackPoint* found, int visible_min) {
+  void Add(const TruthPoint& truth, const TrackRow* found, int visible_min) {
     const double distance_m = truth.position_m.norm();
     for (Sums& sums : sums_) {
       if (distance_m < sums.figures.from_m || distance_m >= sums.figures.to_m) continue;
@@ -108,32 +109,6 @@ class TargetSums {
 
 }  // namespace
 
-base::Result<std::vector<TrackPoint>> ReadTrack(const std::string& path) {
-  const std::vector<std::string> numbers{"x_m",  "y_m", "z_m", "sx_m", "sy_m",
-                                         "sz_m", "dx",  "dy",  "dz",   "bar_m"};
-  std::vector<std::string> columns = numbers;
-  columns.insert(columns.end(), {"timestamp_ns", "target", "status"});
-  const auto table = CsvTable::Open(path, columns);
-  if (!table) return table.error();
-  std::vector<TrackPoint> points;
-  for (std::size_t row = 0; row < table->Rows(); ++row) {
-    const std::string_view status = table->Text(row, "status");
-    if (status == "lost" || status == "predicted") continue;
-    if (status != "tracked" && status != "recovered") {
-      return Error{
-          ErrorCode::kMalformed, table->Where(row, "status"),
-          "is '" + std::string(status) + "'; it must be one of: tracked, recovered, predicted, lost"};
-    }
-    const auto time_ns = table->Time(row, "timestamp_ns");
-    if (!time_ns) return time_ns.error();
-    const auto values = NumbersOf(*table, row, numbers);
-    if (!values) return values.error();
-    points.push_back({*time_ns, std::string(table->Text(row, "target")), status == "recovered",
-                      Three(*values, 0), Three(*values, 3), Three(*values, 6), (*values)[9]});
-  }
-  return points;
-}
-
 base::Result<std::vector<TruthPoint>> ReadTruth(const std::string& path) {
   const std::vector<std::string> numbers{"x_m",      "y_m",      "z_m",      "dx",       "dy",
                                          "dz",       "led1_x_m", "led1_y_m", "led1_z_m", "led4_x_m",
@@ -155,10 +130,14 @@ base::Result<std::vector<TruthPoint>> ReadTruth(const std::string& path) {
   return points;
 }
 
-base::Result<Comparison> Compare(const std::vector<TrackPoint>& track, const std::vector<TruthPoint>& truth,
+base::Result<Comparison> Compare(const std::vector<TrackRow>& track, const std::vector<TruthPoint>& truth,
                                  int visible_min) {
-  std::map<std::pair<std::string, TimeNs>, const TrackPoint*> found;
-  for (const TrackPoint& point : track) found[{point.target, point.mid_exposure_ns}] = &point;
+  std::map<std::pair<std::string, TimeNs>, const TrackRow*> found;
+  for (const TrackRow& row : track) {
+    const bool measured =
+        row.status == stereo::FixStatus::kTracked || row.status == stereo::FixStatus::kRecovered;
+    if (measured) found[{row.target, row.timestamp_ns}] = &row;
+  }
   Comparison out;
   std::map<std::string, TargetSums> targets;
   std::size_t visible = 0, used = 0;

@@ -7,19 +7,9 @@
 
 #include "firmware/base/result.h"
 #include "firmware/base/time.h"
+#include "firmware/pipeline/track_row.h"
 
 namespace adit::host {
-
-/// One row of a track file that has a position.
-struct TrackPoint {
-  base::TimeNs mid_exposure_ns = 0;
-  std::string target;
-  bool recovered = false;  ///< status `recovered`; otherwise `tracked`
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-  double bar_m = 0;
-};
 
 /// One row of a truth file.
 struct TruthPoint {
@@ -31,8 +21,7 @@ struct TruthPoint {
   int visible = 0;   ///< LEDs that both cameras can see
 };
 
-/// Reads a track file; rows `lost` and `predicted` have no measured position and are left out.
-base::Result<std::vector<TrackPoint>> ReadTrack(const std::string& path);
+/// Reads a truth file. Refuses, with file, line and column, what is not one.
 base::Result<std::vector<TruthPoint>> ReadTruth(const std::string& path);
 
 /// Figures of one target in one range of distances (from the rig's origin).
@@ -60,10 +49,11 @@ struct Comparison {
   std::size_t false_positions = 0;  ///< positions of targets that the truth does not hold at that time
 };
 
-/// Pairs rows of one target whose times differ by less than 1 ms. Declines (kFailed) when there is nothing to
-/// compare: no truth row with `visible_min` LEDs, and no false position either.
-base::Result<Comparison> Compare(const std::vector<TrackPoint>& track, const std::vector<TruthPoint>& truth,
-                                 int visible_min);
+/// Measured rows only: `lost` and `predicted` count as no position. Pairs rows of one target whose times
+/// differ by less than 1 ms. Declines (kFailed) when there is nothing to compare: no truth row with
+/// `visible_min` LEDs, and no false position either.
+base::Result<Comparison> Compare(const std::vector<pipeline::TrackRow>& track,
+                                 const std::vector<TruthPoint>& truth, int visible_min);
 
 /// As a table for people, and as JSON.
 std::string FormatTable(const Comparison& comparison);

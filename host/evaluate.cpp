@@ -18,7 +18,7 @@ struct EvaluateArguments {
 };
 
 int Evaluate(const EvaluateArguments& arguments) {
-  const auto track = ReadTrack(arguments.track);
+  const auto track = pipeline::LoadTrack(arguments.track);
   if (!track) return Fail("evaluate", track.error());
   const auto truth = ReadTruth(arguments.truth);
   if (!truth) return Fail("evaluate", truth.error());

@@ -10,8 +10,8 @@ namespace {
 using adit::host::Compare;
 using adit::host::Comparison;
 using adit::host::Figures;
-using adit::host::TrackPoint;
 using adit::host::TruthPoint;
+using adit::pipeline::TrackRow;
 using Eigen::Vector3d;
 
 constexpr adit::base::TimeNs kFrameNs = 16'666'667;
@@ -20,9 +20,16 @@ TruthPoint True(int frame, double z_m, const std::string& target = "bar") {
   return {frame * kFrameNs, target, Vector3d(0, 0, z_m), Vector3d::UnitX(), 1.5, 4};
 }
 
-TrackPoint Found(const TruthPoint& truth, const Vector3d& error_m = Vector3d::Zero()) {
-  return {truth.mid_exposure_ns,     truth.target,    false,      truth.position_m + error_m,
-          Vector3d::Constant(0.001), truth.direction, truth.bar_m};
+TrackRow Found(const TruthPoint& truth, const Vector3d& error_m = Vector3d::Zero()) {
+  TrackRow row;
+  row.timestamp_ns = truth.mid_exposure_ns;
+  row.target = truth.target;
+  row.status = adit::stereo::FixStatus::kTracked;
+  row.position_m = truth.position_m + error_m;
+  row.sigma_m = Vector3d::Constant(0.001);
+  row.direction = truth.direction;
+  row.bar_m = truth.bar_m;
+  return row;
 }
 
 /// The figures of a target in the range that starts at `from_m` and ends at `to_m`.
@@ -50,8 +57,8 @@ TEST_GROUP(Comparison){};
 
 TEST(Comparison, KnowsErrorsOfKnownTracks) {
   const std::vector<TruthPoint> truth{True(0, 25), True(1, 25), True(2, 60), True(3, 60)};
-  std::vector<TrackPoint> track{Found(truth[0], {0.003, 0, 0}), Found(truth[1], {0, -0.004, 0}),
-                                Found(truth[2], {0, 0, 0.002})};
+  std::vector<TrackRow> track{Found(truth[0], {0.003, 0, 0}), Found(truth[1], {0, -0.004, 0}),
+                              Found(truth[2], {0, 0, 0.002})};
   track[0].bar_m = 1.502, track[1].bar_m = 1.497;
   track[2].direction = -Vector3d::UnitX();
 
@@ -76,14 +83,14 @@ TEST(Comparison, KnowsErrorsOfKnownTracks) {
 
 TEST(Comparison, CountsPositionsThatTheTruthDoesNotHold) {
   const std::vector<TruthPoint> truth{True(0, 25)};
-  const std::vector<TrackPoint> track{Found(True(0, 25)), Found(True(1, 25)), Found(True(0, 25, "ghost"))};
+  const std::vector<TrackRow> track{Found(True(0, 25)), Found(True(1, 25)), Found(True(0, 25, "ghost"))};
   LONGS_EQUAL(2, Compare(track, truth, 4)->false_positions);
 }
 
 TEST(Comparison, LeavesHiddenTargetsOutOfTheErrors) {
   std::vector<TruthPoint> truth{True(0, 25), True(1, 25)};
   truth[1].visible = 3;
-  const std::vector<TrackPoint> track{Found(truth[0]), Found(truth[1], {1, 0, 0})};
+  const std::vector<TrackRow> track{Found(truth[0]), Found(truth[1], {1, 0, 0})};
 
   const Figures all = Of(*Compare(track, truth, 4), 0, 1000);
 
@@ -95,7 +102,7 @@ TEST(Comparison, LeavesHiddenTargetsOutOfTheErrors) {
 
 TEST(Comparison, DoesNotPairNeighbouringFrames) {
   auto late = Found(True(0, 25));
-  late.mid_exposure_ns += 2'000'000;
+  late.timestamp_ns += 2'000'000;
   const auto comparison = *Compare({late}, {True(0, 25)}, 4);
   LONGS_EQUAL(0, Of(comparison, 0, 1000).tracked);
   LONGS_EQUAL(1, comparison.false_positions);
@@ -106,19 +113,17 @@ TEST(Comparison, DeclinesWhenThereIsNothingToCompare) {
   CHECK_FALSE(Compare({}, {}, 4).error().ExitCode() == 0);
 }
 
-TEST(Comparison, ReadsATrackAndLeavesLostRowsOut) {
-  const std::string path =
-      Written("adit_track.csv",
-              "timestamp_ns,trigger,target,status,x_m,y_m,z_m,sx_m,sy_m,sz_m,dx,dy,dz,bar_m\n"
-              "1700000000123456789,0,bar,tracked,1,2,30,0.001,0.002,0.003,1,0,0,1.5\n"
-              "1700000000140123456,1,bar,lost,,,,,,,,,,\n"
-              "1700000000156790123,2,bar,recovered,1,2,30,0.001,0.002,0.003,1,0,0,1.5\n");
-  const auto track = adit::host::ReadTrack(path);
-  LONGS_EQUAL(2, track->size());
-  CHECK((*track)[0].mid_exposure_ns == 1700000000123456789);
-  DOUBLES_EQUAL(0.003, (*track)[0].sigma_m.z(), 0);
-  CHECK((*track)[1].recovered);
-  std::filesystem::remove(path);
+TEST(Comparison, TakesLostAndPredictedRowsForNoPosition) {
+  std::vector<TrackRow> track{Found(True(0, 25)), Found(True(1, 25)), Found(True(2, 25))};
+  track[0].status = adit::stereo::FixStatus::kLost;
+  track[1].status = adit::stereo::FixStatus::kPredicted;
+  track[2].status = adit::stereo::FixStatus::kRecovered;
+
+  const auto comparison = *Compare(track, {True(0, 25), True(1, 25), True(2, 25)}, 4);
+
+  LONGS_EQUAL(1, Of(comparison, 0, 1000).tracked);
+  LONGS_EQUAL(1, Of(comparison, 0, 1000).recovered);
+  LONGS_EQUAL(0, comparison.false_positions);
 }
 
 TEST(Comparison, ReadsTheBarOfATruthFileFromItsLeds) {

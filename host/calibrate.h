@@ -1,0 +1,13 @@
+// adit calibrate: a rig file from recordings of a waved bar.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace adit::host {
+
+/// Adds the subcommand; its run sets `exit_code`.
+void AddCalibrate(CLI::App& app, int& exit_code);
+
+}  // namespace adit::host

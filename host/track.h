@@ -1,0 +1,13 @@
+// adit track: a recording through the pipeline of the box, to a track file.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace adit::host {
+
+/// Adds the subcommand; its run sets `exit_code`.
+void AddTrack(CLI::App& app, int& exit_code);
+
+}  // namespace adit::host

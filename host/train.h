@@ -1,0 +1,13 @@
+// adit train: a model from a target and, if given, recordings of it.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace adit::host {
+
+/// Adds the subcommand; its run sets `exit_code`.
+void AddTrain(CLI::App& app, int& exit_code);
+
+}  // namespace adit::host

@@ -1,8 +1,23 @@
 #include "firmware/optics/camera_model.h"
 
 #include <Eigen/LU>
+#include <cmath>
+#include <limits>
 
 namespace adit::optics {
+namespace {
+
+/// The squared normalised radius up to which the model images: there d(r radial)/dr = 1 + 3 k1 s + 5 k2 s^2
+/// with s = r^2 has its first zero, and rays further out fall back onto pixels that others have.
+double FoldRadius2(const CameraModel& camera) {
+  const double linear = 3 * camera.k1, square = 5 * camera.k2;
+  const double discriminant = linear * linear - 4 * square;
+  // The root in the form 2 c / (-b + ...): it holds for k2 = 0 too.
+  const double divisor = discriminant < 0 ? 0 : -linear + std::sqrt(discriminant);
+  return divisor > 0 ? 2 / divisor : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
 
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
@@ -25,7 +40,9 @@ Vector2d CameraModel::Distort(const Vector2d& ideal, Matrix2d* jacobian) const {
 std::optional<Vector2d> CameraModel::Project(const Eigen::Vector3d& point_m) const {
   constexpr double kNearestM = 1e-6;  // closer than any optics: behind or inside the projection centre
   if (!(point_m.z() > kNearestM)) return std::nullopt;
-  return Pixel(Distort(point_m.head<2>() / point_m.z()));
+  const Vector2d ideal = point_m.head<2>() / point_m.z();
+  if (!(ideal.squaredNorm() < FoldRadius2(*this))) return std::nullopt;
+  return Pixel(Distort(ideal));
 }
 
 std::optional<Vector2d> CameraModel::Undistort(const Vector2d& raw_px, Matrix2d* jacobian) const {
@@ -43,6 +60,8 @@ std::optional<Vector2d> CameraModel::Undistort(const Vector2d& raw_px, Matrix2d*
                         slope(0, 0) * miss.y() - slope(1, 0) * miss.x());
     ideal -= move / det;
     if (miss.cwiseAbs().maxCoeff() < kConverged) {
+      // A second solution beyond the fold is no ray that the lens images.
+      if (!(ideal.squaredNorm() < FoldRadius2(*this))) return std::nullopt;
       if (jacobian != nullptr) {
         Distort(ideal, &slope);
         // d ideal_px / d raw_px = F (d distorted / d ideal)^-1 F^-1 with F = diag(fu, fv)

@@ -19,13 +19,14 @@ struct CameraModel {
   /// Normalised ideal coordinates (x/z, y/z) -> normalised distorted ones; `jacobian` (2x2) is optional.
   Eigen::Vector2d Distort(const Eigen::Vector2d& ideal, Eigen::Matrix2d* jacobian = nullptr) const;
 
-  /// A point in the camera's frame (m, z > 0) -> raw pixel. Declines points at or behind the projection
-  /// centre.
+  /// A point in the camera's frame (m, z > 0) -> raw pixel, inside the image or not. Declines points at or
+  /// behind the projection centre, and rays beyond the radius at which the radial model folds over (their
+  /// pixels would be ghosts inside the image).
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point_m) const;
 
   /// Raw pixel -> ideal pixel, by Newton's method on Distort (converges quadratically for lens-like
   /// distortion; five steps end below 1e-10 px). `jacobian` = d ideal / d raw. Declines where the model folds
-  /// over (det <= 0 or no convergence), as it can outside the image.
+  /// over (beyond the fold, nearly singular, or no convergence), as it can outside the image.
   std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& raw_px,
                                            Eigen::Matrix2d* jacobian = nullptr) const;
 

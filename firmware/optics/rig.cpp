@@ -32,38 +32,53 @@ std::string Row(std::initializer_list<double> values) {
   return text.str();
 }
 
+/// Short, unlike std::to_string, and not rounded to zero.
+std::string Show(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+/// Refuses a camera that no lens makes; `intrinsics` is the key it came from.
+void CheckPlausible(YamlReader& in, const CameraModel& camera, const char* intrinsics) {
+  for (const double focal_px : {camera.fu_px, camera.fv_px}) {
+    if (!(focal_px >= kFocalPx.min && focal_px <= kFocalPx.max)) {
+      in.Refuse(intrinsics, "has a focal length of " + Show(focal_px) + " px; it must be from " +
+                                Show(kFocalPx.min) + " to " + Show(kFocalPx.max) + " px");
+    }
+  }
+  for (const double centre_px : {camera.cu_px, camera.cv_px}) {
+    if (!(centre_px >= kCentrePx.min && centre_px <= kCentrePx.max)) {
+      in.Refuse(intrinsics, "has its principal point at " + Show(centre_px) + " px; it must be from " +
+                                Show(kCentrePx.min) + " to " + Show(kCentrePx.max) + " px");
+    }
+  }
+}
+
 /// The keys of one camera as EuRoC and Kalibr name them; they differ in the distortion's.
 CameraModel ReadCamera(YamlReader& in, bool kalibr) {
-  CameraModel camera;
   in.Choice("camera_model", {"pinhole"});
   in.Choice("distortion_model", {kalibr ? "radtan" : "radial-tangential"});
   const auto intrinsics = in.Numbers("intrinsics", 4);
   const auto distortion =
       in.Numbers(kalibr ? "distortion_coeffs" : "distortion_coefficients", 4, kDistortion);
   const auto resolution = in.Numbers("resolution", 2, kResolutionPx);
-  if (!in.Ok()) return camera;
-  for (const int i : {0, 1}) {
-    const double focal = intrinsics[static_cast<std::size_t>(i)];
-    const double centre = intrinsics[static_cast<std::size_t>(i) + 2];
-    if (focal < kFocalPx.min || focal > kFocalPx.max) {
-      in.Refuse("intrinsics",
-                "has a focal length of " + std::to_string(focal) + "; it must be from 100 to 100000 px");
-    }
-    if (centre < kCentrePx.min || centre > kCentrePx.max) {
-      in.Refuse("intrinsics", "has its principal point at " + std::to_string(centre) +
-                                  "; it must be from -10000 to 20000 px");
-    }
+  if (!in.Ok()) return {};
+  for (const double side_px : resolution) {
+    if (side_px != std::floor(side_px))
+      in.Refuse("resolution", "holds " + Show(side_px) + "; pixels are whole");
   }
-  camera = {intrinsics[0],
-            intrinsics[1],
-            intrinsics[2],
-            intrinsics[3],
-            distortion[0],
-            distortion[1],
-            distortion[2],
-            distortion[3],
-            static_cast<int>(resolution[0]),
-            static_cast<int>(resolution[1])};
+  const CameraModel camera{intrinsics[0],
+                           intrinsics[1],
+                           intrinsics[2],
+                           intrinsics[3],
+                           distortion[0],
+                           distortion[1],
+                           distortion[2],
+                           distortion[3],
+                           static_cast<int>(resolution[0]),
+                           static_cast<int>(resolution[1])};
+  CheckPlausible(in, camera, "intrinsics");
   return camera;
 }
 
@@ -75,41 +90,59 @@ CameraModel ReadOpenCvMatrices(YamlReader& in) {
   for (YamlReader* part : {&matrix, &coefficients}) {
     for (const char* key : {"rows", "cols", "dt"}) part->Ignore(key);
   }
-  const double width = in.Number("image_width", kResolutionPx);
-  const double height = in.Number("image_height", kResolutionPx);
+  const long width_px = in.Integer("image_width", kResolutionPx);
+  const long height_px = in.Integer("image_height", kResolutionPx);
   if (in.Ok() && (d.size() < 4 || d.size() > 5 || (d.size() == 5 && d[4] != 0))) {
-    in.Refuse("distortion_coefficients",
-              "has " + std::to_string(d.size()) +
-                  " values; adit's model has k1, k2, p1, p2 (a fifth, k3, must be 0)");
+    in.Refuse("distortion_coefficients", "has " + std::to_string(d.size()) + " values" +
+                                             (d.size() == 5 ? ", k3 = " + Show(d[4]) : "") +
+                                             "; adit's model has k1, k2, p1, p2 (a fifth, k3, must be 0)");
   }
+  if (in.Ok() && !(k[1] == 0 && k[3] == 0 && k[6] == 0 && k[7] == 0 && k[8] == 1))
+    in.Refuse("camera_matrix", "is not of the form [fu, 0, cu, 0, fv, cv, 0, 0, 1]");
   if (!in.Ok()) return {};
-  return {k[0], k[4], k[2], k[5], d[0], d[1], d[2], d[3], static_cast<int>(width), static_cast<int>(height)};
+  const CameraModel camera{k[0],
+                           k[4],
+                           k[2],
+                           k[5],
+                           d[0],
+                           d[1],
+                           d[2],
+                           d[3],
+                           static_cast<int>(width_px),
+                           static_cast<int>(height_px)};
+  CheckPlausible(in, camera, "camera_matrix");
+  return camera;
 }
 
 base::Pose<base::RightCamera, base::LeftCamera> ReadExtrinsics(YamlReader& cam1) {
+  const char* const key = "T_cn_cnm1";
   base::Pose<base::RightCamera, base::LeftCamera> pose;
-  const auto rows = cam1.Matrix("T_cn_cnm1", 4, 4);
+  const auto rows = cam1.Matrix(key, 4, 4);
   if (!cam1.Ok()) return pose;
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) pose.rotation(r, c) = rows[static_cast<std::size_t>(4 * r + c)];
     pose.translation_m[r] = rows[static_cast<std::size_t>(4 * r + 3)];
   }
+  if (!(rows[12] == 0 && rows[13] == 0 && rows[14] == 0 && rows[15] == 1))
+    cam1.Refuse(std::string(key) + "[3]", "is not [0, 0, 0, 1]");
   const double miss =
       (pose.rotation * pose.rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (miss > kOrthonormalTolerance || pose.rotation.determinant() < 0) {
-    cam1.Refuse("T_cn_cnm1",
-                "has no rotation in its upper left 3 x 3 block (off by " + std::to_string(miss) + ")");
+  if (!(miss <= kOrthonormalTolerance)) {
+    cam1.Refuse(key, "has no rotation in its upper left 3 x 3 block: R R^T differs from 1 by " + Show(miss) +
+                         "; at most " + Show(kOrthonormalTolerance) + " is allowed");
   }
+  if (pose.rotation.determinant() < 0)
+    cam1.Refuse(key, "has a mirror in its upper left 3 x 3 block (determinant -1); it must be a rotation");
   const double baseline_m = pose.translation_m.norm();
-  if (baseline_m < kShortestBaselineM || baseline_m > kLongestBaselineM) {
-    cam1.Refuse("T_cn_cnm1",
-                "has a baseline of " + std::to_string(baseline_m) + " m; it must be from 0.1 to 50 m");
+  if (!(baseline_m >= kShortestBaselineM && baseline_m <= kLongestBaselineM)) {
+    cam1.Refuse(key, "has a baseline of " + Show(baseline_m) + " m; it must be from " +
+                         Show(kShortestBaselineM) + " to " + Show(kLongestBaselineM) + " m");
   }
   // The right camera's centre in the left frame is -R^T t; to the right means x > 0.
   const double centre_x_m = pose.Inverse().translation_m.x();
-  if (centre_x_m <= 0) {
-    cam1.Refuse("T_cn_cnm1", "puts cam1 at x = " + std::to_string(centre_x_m) +
-                                 " m, left of cam0; cam0 must be the left camera (baseline sign)");
+  if (!(centre_x_m > 0)) {
+    cam1.Refuse(key, "puts cam1 at x = " + Show(centre_x_m) +
+                         " m, left of cam0; cam0 must be the left camera (baseline sign)");
   }
   return pose;
 }
@@ -153,6 +186,9 @@ base::Result<Rig> LoadRig(const std::string& path) {
   rig.right = ReadCamera(cam1, true);
   rig.T_r_l = ReadExtrinsics(cam1);
   rig.calibration_id = in->TextOr("calibration_id", "unnamed");
+  // It goes into rows of CSV and between the quotes of FormatRig.
+  if (rig.calibration_id.find_first_of(",\"\\\n\r\t") != std::string::npos)
+    in->Refuse("calibration_id", "must not hold commas, quotes, backslashes, tabs or line ends");
   // Kalibr's own extras, and adit's that say how the calibration came about.
   for (const char* key : {"time", "covariance", "quality"}) in->Ignore(key);
   for (YamlReader* camera : {&cam0, &cam1}) {

@@ -1,0 +1,45 @@
+#include "firmware/detect/background.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace adit::detect {
+namespace {
+
+constexpr int kRowStep = 32,
+              kColumnStep = 8;           // 5600 samples of 1400 x 1024: the median is good to 0.02 sigma
+constexpr int kLevels = 4096;            // 12 bit; what is brighter counts as brightest
+constexpr double kLowQuantile = 0.1587;  // of a normal distribution, one sigma below the mean
+
+/// Where the cumulative histogram reaches `share`, between the levels by linear interpolation.
+double Quantile(const std::array<std::uint32_t, kLevels>& histogram, std::uint32_t count, double share) {
+  const double wanted = share * count;
+  double below = 0;
+  for (int level = 0; level < kLevels; ++level) {
+    const double here = histogram[static_cast<std::size_t>(level)];
+    if (here > 0 && below + here >= wanted) return level - 0.5 + (wanted - below) / here;
+    below += here;
+  }
+  return kLevels - 1;
+}
+
+}  // namespace
+
+Background EstimateBackground(const base::ImageView& image) {
+  std::array<std::uint32_t, kLevels> histogram{};
+  std::uint32_t count = 0;
+  for (int y = kRowStep / 2; y < std::max(image.height_px, kRowStep / 2 + 1); y += kRowStep) {
+    const std::uint8_t* const row = image.Row(std::min(y, image.height_px - 1));
+    for (int x = 0; x < image.width_px; x += kColumnStep) {
+      std::uint16_t value = row[x];
+      if (image.BytesPerPixel() == 2) std::memcpy(&value, row + 2 * x, sizeof(value));
+      ++histogram[std::min<std::size_t>(value, kLevels - 1)];
+      ++count;
+    }
+  }
+  const double level_dn = Quantile(histogram, count, 0.5);
+  return {level_dn, std::max(0.0, level_dn - Quantile(histogram, count, kLowQuantile))};
+}
+
+}  // namespace adit::detect

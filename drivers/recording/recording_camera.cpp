@@ -102,11 +102,7 @@ void RecordingCamera::Fill(Buffer& buffer, base::CameraFrame& frame) {
 
 hal::WaitOutcome RecordingCamera::Wait(base::DurationNs timeout_ns, base::CameraFrame& frame) {
   const auto deadline = Monotonic::now() + std::chrono::nanoseconds(timeout_ns);
-  if (next_ >= entries_.size()) {
-    // The end is no event: the caller may ask again and again, and must not spin.
-    std::this_thread::sleep_until(deadline);
-    return hal::WaitOutcome::kEnd;
-  }
+  if (next_ >= entries_.size()) return hal::WaitOutcome::kEnd;
   if (options_.pace == Pace::kRecorded) {
     const auto due = started_ + std::chrono::nanoseconds(entries_[next_].mid_exposure_ns - first_ns_);
     std::this_thread::sleep_until(std::min(due, deadline));

@@ -86,7 +86,8 @@ std::string FormatModel(const Model& model) {
   text << FormatTarget(model.target) << std::setprecision(9) << "p2_range: [" << model.p2_min << ", "
        << model.p2_max << "]\ncollinearity_max: " << model.collinearity_max
        << "  # rms distance from the line / length\nlength_range_px: [" << model.length_min_px << ", "
-       << model.length_max_px << "]\ntrained_on: \"" << model.trained_on << "\"\n";
+       << model.length_max_px << "]\n";
+  if (!model.trained_on.empty()) text << "trained_on: \"" << model.trained_on << "\"\n";
   return text.str();
 }
 

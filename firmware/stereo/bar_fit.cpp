@@ -94,11 +94,16 @@ std::optional<BarFit> FitBar(const Views& views, const base::Target& target,
                              const std::array<Vector3d, kLedCount>& leds_b_m) {
   BarFit fit;
   Vector3d direction = Vector3d::Zero();
+  double spread_m2 = 0;
   for (std::size_t i = 0; i < kLedCount; ++i) {
+    const double offset_m = target.leds_m[i] - MeanPlaceM(target);
     fit.bar.centre_b_m += leds_b_m[i] / kLedCount;
-    direction += (target.leds_m[i] - MeanPlaceM(target)) * leds_b_m[i];
+    direction += offset_m * leds_b_m[i];
+    spread_m2 += offset_m * offset_m;
   }
-  if (!(direction.norm() > 0)) return std::nullopt;
+  // On a bar of the target's length the sum is the spread; much less, and the LEDs have no common direction.
+  constexpr double kShareMin = 0.1;
+  if (!(direction.norm() > kShareMin * spread_m2)) return std::nullopt;
   fit.bar.direction_b = direction.normalized();
   const BarProblem problem(views, target, observations, 0);
   const auto minimum = Minimise(problem, fit.bar);

@@ -22,14 +22,15 @@ struct Minimum {
 ///   bool Evaluate(const State&, Residuals&, Jacobian&) const   false where the model has no value
 ///   State Moved(const State&, const Step&) const               the state a step away
 /// Residuals must be whitened (unit variance): the iteration ends when a step is shorter than a ten
-/// thousandth of the estimate's own standard deviation. Declines (converged false) after 20 steps.
+/// thousandth of the estimate's own standard deviation. Declines (converged false) after 50 steps (a bar
+/// takes three).
 template <class Problem>
 Minimum<Problem::kParameters> Minimise(const Problem& problem, typename Problem::State& state) {
   constexpr int kParameters = Problem::kParameters;
   using Residuals = Eigen::Matrix<double, Problem::kResiduals, 1>;
   using Jacobian = Eigen::Matrix<double, Problem::kResiduals, kParameters>;
   using Step = Eigen::Matrix<double, kParameters, 1>;
-  constexpr int kStepsMax = 20;
+  constexpr int kStepsMax = 50;
   constexpr double kShortStep = 1e-8;  // squared, in standard deviations
 
   Minimum<kParameters> minimum;
@@ -56,7 +57,7 @@ Minimum<Problem::kParameters> Minimise(const Problem& problem, typename Problem:
       minimum.cost = moved_cost;
       damping *= 0.1;
     } else {
-      damping *= 100;
+      damping *= 10;
     }
     if (short_step) {
       minimum.information.noalias() = jacobian.transpose() * jacobian;

@@ -37,6 +37,9 @@ struct SyntheticRig {
 /// distortion (8 px in the corner).
 SyntheticRig ToedInRig(double base_m = 9, double converge_m = 35);
 
+/// In the rig frame, `distance_m` straight ahead of the middle between the cameras of `rig`.
+Eigen::Vector3d Ahead(const SyntheticRig& rig, double distance_m);
+
 /// A bar somewhere in the rig frame.
 struct SyntheticBar {
   base::Target target;

@@ -78,6 +78,18 @@ std::unique_ptr<hal::Camera> MakeCamera(const CameraOrder& order, const hal::Clo
     return std::make_unique<recording::RecordingCamera>(options, clock);
   }
   aravis::AravisSettings settings;
+  settings.device = order.device;
+  settings.side = order.side;
+  settings.width_px = order.width_px;
+  settings.height_px = order.height_px;
+  settings.bits = order.bits;
+  settings.exposure_us = order.exposure_us;
+  settings.gain_db = order.gain_db;
+  settings.packet_size = order.packet_size;
+  settings.packet_socket = order.packet_socket;
+  settings.trigger_source = order.trigger_source;
+  settings.ptp = order.ptp;
+  settings.buffers = order.buffers;
   return std::make_unique<aravis::AravisCamera>(settings, clock);
 }
 

@@ -26,7 +26,7 @@ struct PairerOptions {
 struct PairerCounts {
   std::uint64_t paired = 0;
   std::array<std::uint64_t, 2> unpaired{};  ///< left, right
-  /// Frames that arrived together whose times disagree: one camera's clock is wrong.
+  /// Frames whose exposures lie farther apart than their arrivals can explain: one camera's clock is wrong.
   std::uint64_t out_of_step = 0;
   /// A camera's time went backwards: its clock was set, or it restarted.
   std::array<std::uint64_t, 2> backwards{};
@@ -60,8 +60,7 @@ class Pairer {
   explicit Pairer(const PairerOptions& options)
       : patience_ns_(options.patience_ns),
         tolerance_ns_(
-            static_cast<base::DurationNs>(static_cast<double>(options.period_ns) * options.tolerance)),
-        half_period_ns_(options.period_ns / 2) {}
+            static_cast<base::DurationNs>(static_cast<double>(options.period_ns) * options.tolerance)) {}
 
   /// Takes a frame. Next() must have run dry since the last one.
   void Add(const base::FrameStamp& stamp, T frame) {
@@ -135,9 +134,13 @@ class Pairer {
       ++counts_.paired;
       return PairerEvent<T>{queues_[0].Pop().frame, queues_[1].Pop().frame};
     }
-    if (left.last_packet_ns != base::kNever && right.last_packet_ns != base::kNever &&
-        Apart(left.last_packet_ns, right.last_packet_ns) < static_cast<std::uint64_t>(half_period_ns_)) {
-      ++counts_.out_of_step;
+    if (left.last_packet_ns != base::kNever && right.last_packet_ns != base::kNever) {
+      // Frames are late by resending, never early: exposures cannot lie farther apart than arrivals do by
+      // more than that.
+      const std::uint64_t arrived_apart_ns = Apart(left.last_packet_ns, right.last_packet_ns);
+      if (apart_ns > arrived_apart_ns &&
+          apart_ns - arrived_apart_ns > static_cast<std::uint64_t>(patience_ns_))
+        ++counts_.out_of_step;
     }
     return Release(left_is_older ? 0 : 1);
   }
@@ -162,7 +165,7 @@ class Pairer {
            Apart(now_ns, since_ns) > static_cast<std::uint64_t>(patience_ns_);
   }
 
-  base::DurationNs patience_ns_, tolerance_ns_, half_period_ns_;
+  base::DurationNs patience_ns_, tolerance_ns_;
   std::array<Queue, 2> queues_{};
   PairerCounts counts_;
 };

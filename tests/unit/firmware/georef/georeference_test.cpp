@@ -1,0 +1,74 @@
+#include "firmware/georef/georeference.h"
+
+#include <CppUTest/TestHarness.h>
+
+using adit::base::Pose;
+using adit::base::Rig;
+using adit::base::Site;
+using adit::georef::GeoFixSet;
+using adit::georef::Georeference;
+using adit::stereo::FixStatus;
+using Eigen::Vector3d;
+
+namespace {
+
+/// A rig that looks north along the tunnel: its x is easting, its y is down, its z is northing.
+Pose<Site, Rig> LookingNorth() {
+  Pose<Site, Rig> pose;
+  pose.rotation << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  pose.translation_m = {546123, 178456, 400};
+  return pose;
+}
+
+adit::track::TargetStateSet OneTarget(FixStatus status) {
+  adit::track::TargetState state;
+  state.points.status = status;
+  if (status != FixStatus::kLost) {
+    state.points.epicenter_b_m = {3, -1, 40};
+    state.points.direction_b = {0, 0, 1};
+    state.points.leds_b_m = {Vector3d(3, -1, 40), Vector3d(3, -1, 40.25), Vector3d(3, -1, 40.65),
+                             Vector3d(3, -1, 41.5)};
+    state.points.epicenter_covariance_m2 = Vector3d(1e-6, 4e-6, 9e-6).asDiagonal();
+  }
+  state.mid_exposure_ns = 77;
+  adit::track::TargetStateSet states;
+  states.targets.push_back(state);
+  return states;
+}
+
+}  // namespace
+
+TEST_GROUP(Georeference) { GeoFixSet fixes; };
+
+TEST(Georeference, TurnsPlaceDirectionAndCovarianceIntoTheGrid) {
+  Georeference(LookingNorth()).Apply(OneTarget(FixStatus::kTracked), fixes);
+  CHECK(fixes.georeferenced);
+  const auto& fix = fixes.targets[0];
+  CHECK((fix.position_s_m - Vector3d(546126, 178496, 401)).norm() < 1e-9);
+  CHECK((fix.direction_s - Vector3d(0, 1, 0)).norm() < 1e-12);
+  CHECK((fix.leds_s_m[3] - Vector3d(546126, 178497.5, 401)).norm() < 1e-9);
+  CHECK((fix.covariance_s_m2.diagonal() - Vector3d(1e-6, 9e-6, 4e-6)).norm() < 1e-18);
+  CHECK(fix.state.mid_exposure_ns == 77);
+}
+
+TEST(Georeference, IsTheRigFrameWhenThereIsNone) {
+  Georeference().Apply(OneTarget(FixStatus::kTracked), fixes);
+  CHECK_FALSE(fixes.georeferenced);
+  CHECK((fixes.targets[0].position_s_m - Vector3d(3, -1, 40)).norm() == 0);
+  CHECK((fixes.targets[0].leds_s_m[1] - Vector3d(3, -1, 40.25)).norm() == 0);
+  DOUBLES_EQUAL(4e-6, fixes.targets[0].covariance_s_m2(1, 1), 0);
+}
+
+TEST(Georeference, GivesALostTargetNoPlaceOnTheGrid) {
+  Georeference(LookingNorth()).Apply(OneTarget(FixStatus::kLost), fixes);
+  LONGS_EQUAL(1, fixes.targets.size());
+  CHECK(fixes.targets[0].position_s_m.isZero());
+  CHECK(fixes.targets[0].state.points.status == FixStatus::kLost);
+}
+
+TEST(Georeference, ForgetsThePairBefore) {
+  const Georeference georeference(LookingNorth());
+  georeference.Apply(OneTarget(FixStatus::kTracked), fixes);
+  georeference.Apply(adit::track::TargetStateSet{}, fixes);
+  LONGS_EQUAL(0, fixes.targets.size());
+}

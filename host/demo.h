@@ -1,0 +1,14 @@
+// adit demo: the main job at work on this machine.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace adit::host {
+
+/// Adds `adit demo [--seconds N] [--scene FILE] [--out FOLDER]`. Run it in a network namespace of its own
+/// (./run demo does).
+void AddDemo(CLI::App& app, int& exit_code);
+
+}  // namespace adit::host

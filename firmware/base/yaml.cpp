@@ -10,40 +10,12 @@
 #include <set>
 #include <sstream>
 
+#include "firmware/base/yaml_document.h"
+
 namespace adit::base {
 namespace {
 
-constexpr std::size_t kLargestFileBytes = 1 << 20;  // settings are some KB; more is the wrong file
-
-/// What a file says, fit for one line of a terminal: without control characters, and not longer than it
-/// helps.
-std::string Printable(const std::string& raw) {
-  constexpr std::size_t kLongestBytes = 60;
-  std::string text;
-  for (const char c : raw) {
-    // A continuation byte of UTF-8 belongs to the character before it.
-    const bool starts = (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-    if (text.size() >= kLongestBytes && starts) return text + "...";
-    text += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
-  }
-  return text;
-}
-
-std::string Show(const YAML::Node& node) {
-  std::string text;
-  if (node.IsScalar()) {
-    text = "'" + Printable(node.Scalar()) + "'";
-  } else if (node.IsSequence()) {
-    text = "a list of " + std::to_string(node.size());
-  } else if (node.IsMap()) {
-    text = "a map";
-  } else {
-    text = "nothing";
-  }
-  return text;
-}
-
-std::string Show(Range range) {
+std::string Wanted(Range range) {
   std::ostringstream text;
   if (std::isfinite(range.min) && std::isfinite(range.max)) {
     text << "a number from " << range.min << " to " << range.max;
@@ -107,7 +79,7 @@ Result<YamlReader> YamlReader::OpenFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return Error{ErrorCode::kNotFound, path, std::string("cannot be read: ") + std::strerror(errno)};
   // One more than allowed, so that a device that never ends is no trap.
-  std::string text(kLargestFileBytes + 1, '\0');
+  std::string text(kLargestYamlBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (file.bad()) return Error{ErrorCode::kUnavailable, path, "cannot be read: the device reports an error"};
   text.resize(static_cast<std::size_t>(file.gcount()));
@@ -115,27 +87,12 @@ Result<YamlReader> YamlReader::OpenFile(const std::string& path) {
 }
 
 Result<YamlReader> YamlReader::OpenText(const std::string& text, const std::string& name) {
-  if (text.size() > kLargestFileBytes)
-    return Error{ErrorCode::kMalformed, name, "is larger than 1 MiB; a settings file has some KB"};
-  if (text.find('\0') != std::string::npos)
-    return Error{ErrorCode::kMalformed, name, "is not YAML: it holds zero bytes, as binary files do"};
+  Result<YAML::Node> parsed = ParseYamlMap(text, name);
+  if (!parsed) return parsed.error();
   auto document = std::make_shared<Document>();
   document->name = name;
   auto root = std::make_shared<Node>();
-  try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) {
-      return Error{ErrorCode::kMalformed, name,
-                   "holds " + std::to_string(documents.size()) + " YAML documents (---); one is allowed"};
-    }
-    if (!documents.empty()) root->yaml = documents.front();
-  } catch (const YAML::Exception& e) {
-    return Error{ErrorCode::kMalformed, name + ":" + std::to_string(e.mark.line + 1),
-                 "is not YAML: " + Printable(e.msg)};
-  }
-  if (!root->yaml.IsMap()) {
-    return Error{ErrorCode::kMalformed, name, "must be a map of keys, is " + Show(root->yaml)};
-  }
+  root->yaml = *parsed;
   return YamlReader(document, root);
 }
 
@@ -167,13 +124,13 @@ std::vector<std::string> YamlReader::Keys() const {
 double YamlReader::Number(const std::string& key, Range range) {
   node_->asked.insert(key);
   if (!Has(key)) {
-    Refuse(key, "is missing; it must be " + Show(range));
+    Refuse(key, "is missing; it must be " + Wanted(range));
     return 0;
   }
   const YAML::Node value = std::as_const(node_->yaml)[key];
   double number = 0;
   if (!ParseNumber(value, number) || number < range.min || number > range.max) {
-    Refuse(key, "is " + Show(value) + "; it must be " + Show(range));
+    Refuse(key, "is " + Show(value) + "; it must be " + Wanted(range));
     return 0;
   }
   return number;
@@ -245,7 +202,7 @@ std::vector<double> YamlReader::Numbers(const std::string& key, std::size_t coun
   node_->asked.insert(key);
   const YAML::Node list = std::as_const(node_->yaml)[key];
   const std::string wanted =
-      (count == 0 ? "a list, each " : "a list of " + std::to_string(count) + ", each ") + Show(range);
+      (count == 0 ? "a list, each " : "a list of " + std::to_string(count) + ", each ") + Wanted(range);
   std::vector<double> numbers;
   if (!Has(key) || !list.IsSequence() || (count != 0 && list.size() != count)) {
     Refuse(key, (Has(key) ? "is " + Show(list) : std::string("is missing")) + "; it must be " + wanted);
@@ -254,7 +211,7 @@ std::vector<double> YamlReader::Numbers(const std::string& key, std::size_t coun
   for (std::size_t i = 0; i < list.size(); ++i) {
     double number = 0;
     if (!ParseNumber(list[i], number) || number < range.min || number > range.max) {
-      Refuse(At(key, i), "is " + Show(list[i]) + "; it must be " + Show(range));
+      Refuse(At(key, i), "is " + Show(list[i]) + "; it must be " + Wanted(range));
     }
     numbers.push_back(number);
   }

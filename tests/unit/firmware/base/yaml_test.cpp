@@ -225,7 +225,19 @@ TEST(Yaml, RefusesWhatIsNoMap) {
   STRCMP_EQUAL("f.yaml: must be a map of keys, is nothing", Refused("# only a comment\n").c_str());
   STRCMP_EQUAL("f.yaml: must be a map of keys, is 'word'", Refused("word").c_str());
   STRCMP_EQUAL("f.yaml: must be a map of keys, is a list of 2", Refused("[1, 2]").c_str());
-  STRCMP_EQUAL("f.yaml: holds 2 YAML documents (---); one is allowed", Refused("a: 1\n---\na: 2\n").c_str());
+}
+
+TEST(Yaml, RefusesASecondDocumentAndStrayEnds) {
+  for (const char* text :
+       {"a: 1\n---\na: 2\n", "---\na: 1\n---\n", "a: 1\n]", "a: 1\n}\n", "{a: 1}, b", "{a: 1},"}) {
+    const std::string line = Refused(text);
+    STRCMP_CONTAINS("f.yaml", line.c_str());
+    CHECK_TRUE_TEXT(line.find("is not YAML: ") != std::string::npos ||
+                        line.find("goes on after its first YAML document") != std::string::npos,
+                    (text + (" gave " + line)).c_str());
+  }
+  STRCMP_CONTAINS("f.yaml", Refused(", x").c_str());
+  COMPLAINS("", "# head\n---\na: 3\n...\n", Number);
 }
 
 TEST(Yaml, NamesTheLineThatIsNotYaml) {

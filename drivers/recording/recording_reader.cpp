@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
@@ -25,7 +27,10 @@ base::Result<ImageEntry> ParseLine(const std::string& line, const std::string& w
   }
   std::string name = line.substr(comma + 1);
   name.erase(0, name.find_first_not_of(' '));
-  if (name.empty() || name.find_first_of("/\\,") != std::string::npos || name == "." || name == "..") {
+  const bool printable =
+      std::none_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; });
+  if (name.empty() || !printable || name.find_first_of("/\\,") != std::string::npos || name == "." ||
+      name == "..") {
     return Error{ErrorCode::kMalformed, where, "names '" + name + "'; it must be a file in data/"};
   }
   entry.path = (data / name).string();
@@ -61,14 +66,25 @@ base::Result<std::vector<ImageEntry>> ReadIndex(const fs::path& camera) {
 }
 
 base::Result<std::vector<std::uint8_t>> ReadBytes(const std::string& path) {
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  const auto size = file ? static_cast<std::streamoff>(file.tellg()) : -1;
+  std::error_code ignored;
+  std::ifstream file;
+  if (fs::is_regular_file(path, ignored)) file.open(path, std::ios::binary | std::ios::ate);
+  const auto size = file.is_open() ? static_cast<std::streamoff>(file.tellg()) : -1;
   if (size < 0) return Error{ErrorCode::kNotFound, path, "cannot be read"};
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
   file.seekg(0);
   if (!file.read(reinterpret_cast<char*>(bytes.data()), size))
     return Error{ErrorCode::kNotFound, path, "cannot be read"};
   return bytes;
+}
+
+/// Whether the file starts as a PNG and ends as one. libpng would say so too, but on stderr.
+bool LooksWhole(const std::vector<std::uint8_t>& bytes) {
+  constexpr std::array<std::uint8_t, 8> kStart{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  constexpr std::array<std::uint8_t, 4> kLastChunk{'I', 'E', 'N', 'D'};
+  constexpr std::size_t kTail = 8;  // the last chunk's name and its CRC
+  return bytes.size() > kStart.size() + kTail && std::equal(kStart.begin(), kStart.end(), bytes.begin()) &&
+         std::equal(kLastChunk.begin(), kLastChunk.end(), bytes.end() - kTail);
 }
 
 }  // namespace
@@ -90,7 +106,7 @@ base::Result<StoredImage> ReadImage(const std::string& path) {
   if (!bytes) return bytes.error();
   cv::Mat pixels;
   try {
-    if (!bytes->empty()) pixels = cv::imdecode(*bytes, cv::IMREAD_UNCHANGED);
+    if (LooksWhole(*bytes)) pixels = cv::imdecode(*bytes, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {
     pixels.release();  // said below: what OpenCV throws names its own source line, not the file
   }

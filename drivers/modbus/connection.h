@@ -21,8 +21,8 @@ class Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Reads, answers and writes as far as it goes without waiting; `requests` counts what was answered or met
-  /// with silence.
+  /// Reads, answers and writes as far as it goes without waiting; `requests` counts what was answered or
+  /// met with silence.
   ConnectionFate Serve(base::TimeNs now_ns, hal::RequestHandler& handler, std::uint64_t& requests);
 
   bool WantsToWrite() const { return sent_ < held_; }

@@ -32,9 +32,9 @@ struct ServerHealth {
   std::uint32_t clients = 0;    ///< now
 };
 
-/// One thread, non-blocking sockets: a client that drips, stalls or floods costs the others nothing. Requests
-/// that a client sends without waiting are answered in their order. A client that does not read its answers
-/// is not read either.
+/// One thread, non-blocking sockets: a client that drips, stalls or floods costs the others nothing.
+/// Requests that a client sends without waiting are answered in their order. A client that does not read
+/// its answers is not read either.
 class ModbusServer {
  public:
   /// Binds, listens and starts the thread. Declines with address and port. `handler` is called from that

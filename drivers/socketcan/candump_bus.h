@@ -24,8 +24,8 @@ class CandumpBus final : public hal::FieldBus {
   CandumpBus(const CandumpBus&) = delete;
   CandumpBus& operator=(const CandumpBus&) = delete;
 
-  /// Frames of one epoch; those of all targets of a box may come together.
-  static constexpr std::size_t kMaxEpochFrames = 64;
+  /// Frames of one epoch; those of all targets of a box may come together (32 targets of 11 frames).
+  static constexpr std::size_t kMaxEpochFrames = 352;
 
   /// kDropped when the file takes no more (disk full), kSent otherwise.
   hal::SendOutcome SendEpoch(std::span<const base::CanFrame> frames) override;

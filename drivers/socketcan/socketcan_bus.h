@@ -17,9 +17,9 @@ inline constexpr base::DurationNs kEchoLimitNs = 100 * base::kNsPerMs;
 inline constexpr base::DurationNs kBackOffMinNs = 100 * base::kNsPerMs;
 inline constexpr base::DurationNs kBackOffMaxNs = 5 * base::kNsPerS;
 
-/// Old frames survive in the queue of the interface and would be replayed when the bus comes back: a machine
-/// would jump. So nothing new goes out before the old is confirmed on the bus or the interface was emptied.
-/// One thread.
+/// Old frames survive in the queue of the interface and would be replayed when the bus comes back: a
+/// machine would jump. So nothing new goes out before the old is confirmed on the bus or the interface was
+/// emptied. One thread.
 class SocketCanBus final : public hal::FieldBus {
  public:
   /// Opens the interface ("can0"). Declines as OpenKernelCanSocket does.
@@ -31,8 +31,9 @@ class SocketCanBus final : public hal::FieldBus {
   void Poll(base::TimeNs now_ns) override;
   hal::FieldBusHealth Health() const override { return health_; }
 
-  /// All targets of a box may share one epoch.
-  static constexpr std::size_t kMaxEpochFrames = 64;
+  /// All targets of a box may share one epoch: 32 of 11 frames. The queue of the interface must hold it
+  /// (`ip link set can0 txqueuelen 1000`; the default of 10 does not hold two targets).
+  static constexpr std::size_t kMaxEpochFrames = 352;
 
  private:
   void TakeEcho(const base::CanFrame& frame);

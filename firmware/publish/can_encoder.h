@@ -37,7 +37,8 @@ class CanEncoder {
 
   /// Replaces `out`: EMCY when the faults changed, heartbeat every 200 ms (boot-up first), POS_E, POS_N,
   /// POS_H, HEADING, PITCH, ROLL, QUALITY, one number of INFO every 100 ms (nodes up to 0x5F), and STATUS
-  /// last: the epoch is complete. Ages are as of `hand_over_ns`; what is too old by then goes out as INVALID.
+  /// last: the epoch is complete. Ages are as of `hand_over_ns`; what is too old by then goes out as
+  /// INVALID.
   void Encode(const Epoch& epoch, const BoxHealth& health, base::TimeNs hand_over_ns, Frames& out);
 
   std::uint8_t Node() const { return node_; }

@@ -23,8 +23,8 @@ struct ReceivedSlot {
 /// Which slot of `node` a frame is; nothing if it is none.
 std::optional<std::uint8_t> SlotOf(const base::CanFrame& frame, std::uint8_t node);
 
-/// Takes a frame of `node` apart. Declines if it is none of its slots, not 8 bytes long, or its CRC does not
-/// hold.
+/// Takes a frame of `node` apart. Declines if it is none of its slots, not 8 bytes long, or its CRC does
+/// not hold.
 std::optional<ReceivedSlot> DecodeSlot(const base::CanFrame& frame, std::uint8_t node);
 
 struct ReceiverRules {

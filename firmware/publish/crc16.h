@@ -24,8 +24,8 @@ consteval std::array<std::uint16_t, 256> MakeCrc16Table() {
 inline constexpr std::array<std::uint16_t, 256> kCrc16Table = MakeCrc16Table();
 }  // namespace detail
 
-/// Polynomial 0x1021, start 0xFFFF, not reflected, nothing xored out; "123456789" gives 0x29B1. Hand the last
-/// result in as `crc` to go on.
+/// Polynomial 0x1021, start 0xFFFF, not reflected, nothing xored out; "123456789" gives 0x29B1. Hand the
+/// last result in as `crc` to go on.
 constexpr std::uint16_t Crc16(std::span<const std::uint8_t> bytes, std::uint16_t crc = kCrc16Start) {
   for (const std::uint8_t byte : bytes) {
     crc = static_cast<std::uint16_t>((crc << 8) ^ detail::kCrc16Table[(crc >> 8) ^ byte]);

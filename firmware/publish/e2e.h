@@ -1,5 +1,5 @@
-// AUTOSAR E2E profile 5 on an 8-byte frame, offset 40 bit: the CRC stands in bytes 5-6, the counter in
-// byte 7.
+// AUTOSAR E2E profile 5 on an 8-byte frame, offset 40 bit: the CRC stands in bytes 5-6, the counter in byte
+// 7.
 #pragma once
 
 #include <array>

@@ -19,9 +19,9 @@ class ModbusResponder {
   ModbusResponder(const RegisterMap& map, std::uint8_t unit) : map_(map), unit_(unit) {}
 
   /// `request` is unit id and PDU; so is what it writes to `reply`, whose length it returns. Serves FC 02,
-  /// 03, 04 (03 and 04 read the same registers) and 43/14. One answer is one epoch. Exceptions in the spec's
-  /// order: 0x0B another unit, 01 function (writes are off), 03 length or count, 02 address. Silence (0) for
-  /// less than a function code, or if `reply` is shorter than kMaxModbusMessage.
+  /// 03, 04 (03 and 04 read the same registers) and 43/14. One answer is one epoch. Exceptions in the
+  /// spec's order: 0x0B another unit, 01 function (writes are off), 03 length or count, 02 address. Silence
+  /// (0) for less than a function code, or if `reply` is shorter than kMaxModbusMessage.
   std::size_t Answer(std::span<const std::uint8_t> request, std::span<std::uint8_t> reply,
                      base::TimeNs now_ns) const;
 

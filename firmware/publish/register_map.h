@@ -48,8 +48,8 @@ class RegisterMap {
  public:
   RegisterMap(const BoxIdentity& identity, const EpochRules& rules) : identity_(identity), rules_(rules) {}
 
-  /// Publisher thread, every cycle: `leading` is the epoch of the live block, `fixes` fill the target structs
-  /// by the same rules (MakeEpoch) under `box`. No heap.
+  /// Publisher thread, every cycle: `leading` is the epoch of the live block, `fixes` fill the target
+  /// structs by the same rules (MakeEpoch) under `box`. No heap.
   void Update(const Epoch& leading, const BoxCondition& box, const BoxHealth& health,
               const georef::GeoFixSet& fixes, base::TimeNs now_ns);
 

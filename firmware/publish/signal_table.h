@@ -1,5 +1,6 @@
-// The one table of everything on the wire. Encoders, receiver, DBC, register map and documents come from it,
-// so that they cannot disagree. Bump the version of the layout, and the changelog, with every change here.
+// The one table of everything on the wire. Encoders, receiver, DBC, register map and documents come from
+// it, so that they cannot disagree. Bump the version of the layout, and the changelog, with every change
+// here.
 #pragma once
 
 #include <cstdint>

@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
     for (std::uint8_t& byte : input) byte = Byte(random);
     (void)LLVMFuzzerTestOneInput(input.data(), input.size());
     for (int child = 0; child < kChildren && !input.empty(); ++child) {
-      for (unsigned change = 0; change <= child % 3U; ++change) input[random() % input.size()] = Byte(random);
+      for (int change = 0; change <= child % 3; ++change) input[random() % input.size()] = Byte(random);
       (void)LLVMFuzzerTestOneInput(input.data(), input.size());
     }
   }

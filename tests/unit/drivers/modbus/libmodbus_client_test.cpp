@@ -65,6 +65,8 @@ bool LiveBlockIsWhole(const std::array<std::uint16_t, 42>& live) {
          east == live[0] * 10'000U;
 }
 
+}  // namespace
+
 TEST_GROUP(LibmodbusClient) {
   Box box_;
   std::unique_ptr<ModbusServer> server_;
@@ -166,5 +168,4 @@ TEST(LibmodbusClient, EveryReadOfSeveralClientsIsOneEpoch) {
   LONGS_EQUAL(kClients * kReads, whole.load());
 }
 
-}  // namespace
 }  // namespace adit::modbus

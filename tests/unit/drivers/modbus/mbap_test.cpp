@@ -12,6 +12,8 @@ using Bytes = std::vector<std::uint8_t>;
 
 const Bytes kRead{0x12, 0x34, 0, 0, 0, 6, 1, 4, 0, 100, 0, 42};
 
+}  // namespace
+
 TEST_GROUP(Mbap) {
   MbapStream stream_;
   void Feed(const Bytes& bytes) {
@@ -87,5 +89,4 @@ TEST(Mbap, HeaderHoldsTransactionAndLength) {
   CHECK((header == std::array<std::uint8_t, kMbapLength>{0xAB, 0xCD, 0, 0, 0, 254}));
 }
 
-}  // namespace
 }  // namespace adit::modbus

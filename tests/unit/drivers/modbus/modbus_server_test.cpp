@@ -32,6 +32,8 @@ Bytes Request(std::uint8_t transaction, std::uint8_t function = 4, std::size_t d
   return bytes;
 }
 
+}  // namespace
+
 TEST_GROUP(ModbusServer) {
   Echo echo_;
   std::unique_ptr<ModbusServer> server_;
@@ -298,5 +300,4 @@ TEST(ModbusServer, APortIsFreeAgainAfterTheServerEnds) {
   CHECK(static_cast<bool>(ModbusServer::Open(options, echo_)));
 }
 
-}  // namespace
 }  // namespace adit::modbus

@@ -31,6 +31,8 @@ std::string TemporaryFolder() {
   return ::mkdtemp(path.data()) != nullptr ? path : "";
 }
 
+}  // namespace
+
 TEST_GROUP(CandumpBus) {
   SetClock clock_;
   std::string folder_ = TemporaryFolder();
@@ -107,5 +109,4 @@ TEST(CandumpBus, DeclinesAChannelThatIsNoInterfaceName) {
   CHECK_FALSE(static_cast<bool>(CandumpBus::Open(path_, "sixteen-chars-xx", clock_)));
 }
 
-}  // namespace
 }  // namespace adit::socketcan

@@ -56,6 +56,8 @@ class FakeSocket final : public CanSocket {
   int cycles_ = 0;
 };
 
+}  // namespace
+
 TEST_GROUP(SocketCanBus) {
   FakeSocket* kernel_ = new FakeSocket;
   SocketCanBus bus_{std::unique_ptr<CanSocket>(kernel_)};
@@ -283,5 +285,4 @@ TEST(SocketCanBus, DeclinesAnInterfaceThatIsNotThereInOneLine) {
   CHECK_FALSE(static_cast<bool>(SocketCanBus::Open("a-name-too-long-for-it")));
 }
 
-}  // namespace
 }  // namespace adit::socketcan

@@ -26,6 +26,8 @@ const base::CanFrame* Find(const CanEncoder::Frames& frames, std::uint32_t id) {
   return found == frames.end() ? nullptr : found;
 }
 
+}  // namespace
+
 TEST_GROUP(CanEncoder) {
   CanEncoder encoder_{kNode, MakeIdentity("4711", "1.2.3", 0xCAFE1234)};
   CanEncoder::Frames frames_;
@@ -198,5 +200,4 @@ TEST(CanEncoder, AllocatesNothing) {
   LONGS_EQUAL(0, support::AllocationCount() - before);
 }
 
-}  // namespace
 }  // namespace adit::publish

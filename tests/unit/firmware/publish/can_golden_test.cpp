@@ -1,5 +1,5 @@
-// The golden set of adit-CAN 1.0 (tests/data/can_golden.md): 168 frames of node 0x20, made and decoded by other
-// programs.
+// The golden set of adit-CAN 1.0 (tests/data/can_golden.md): 168 frames of node 0x20, made and decoded by
+// other programs.
 #include <fstream>
 #include <numbers>
 #include <string>
@@ -59,6 +59,8 @@ Epoch EpochOf(const ReceivedSlot& golden, base::TimeNs now_ns) {
   return epoch;
 }
 
+}  // namespace
+
 TEST_GROUP(CanGolden) { std::vector<base::CanFrame> frames_ = GoldenFrames(); };
 
 TEST(CanGolden, HasAllFrames) { LONGS_EQUAL(168, frames_.size()); }
@@ -114,5 +116,4 @@ TEST(CanGolden, AnEpochWithTheseValuesMakesTheseFrames) {
   LONGS_EQUAL(96, compared);
 }
 
-}  // namespace
 }  // namespace adit::publish

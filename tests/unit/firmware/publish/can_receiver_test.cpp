@@ -18,6 +18,8 @@ struct Sent {
   unsigned age = 5;
 };
 
+}  // namespace
+
 TEST_GROUP(CanReceiver) {
   CanReceiver receiver_{kNode};
   base::TimeNs now_ns_ = base::kNsPerS;
@@ -187,5 +189,4 @@ TEST(CanReceiver, PassesOverForeignShortAndExtendedFrames) {
   LONGS_EQUAL(before.crc_errors + 1, receiver_.Counts().crc_errors);
 }
 
-}  // namespace
 }  // namespace adit::publish

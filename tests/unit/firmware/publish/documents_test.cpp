@@ -20,6 +20,8 @@ void CheckDocument(const std::string& path, const std::string& text) {
   STRCMP_EQUAL(committed.c_str(), text.c_str());
 }
 
+}  // namespace
+
 TEST_GROUP(Documents){};
 
 TEST(Documents, TheDbcIsTheTables) { CheckDocument("docs/adit-can.dbc", FormatDbc(0x20)); }
@@ -32,5 +34,4 @@ TEST(Documents, TheDbcOfAHighNodeHasNoInfo) {
   CHECK(FormatDbc(0x60).find("BO_ 1760 ") == std::string::npos);
 }
 
-}  // namespace
 }  // namespace adit::publish

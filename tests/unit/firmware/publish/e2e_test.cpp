@@ -31,6 +31,8 @@ constexpr CrcVector kAutosar[] = {
 constexpr Payload kGolden{0x87, 0xC9, 0xEE, 0xF6, 0x4D, 0x17, 0x49, 0xFA};
 constexpr std::uint16_t kGoldenId = 0xA200;
 
+}  // namespace
+
 TEST_GROUP(E2e){};
 
 TEST(E2e, CrcGivesTheResultsOfAutosarsTable) {
@@ -100,5 +102,4 @@ TEST(E2e, AFrameOfAnotherBoxOrSlotDoesNotPass) {
   }
 }
 
-}  // namespace
 }  // namespace adit::publish

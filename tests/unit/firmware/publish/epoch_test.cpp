@@ -27,6 +27,8 @@ void CheckNothingToTell(const Epoch& epoch) {
   CHECK_FALSE(epoch.sigma_ok);
 }
 
+}  // namespace
+
 TEST_GROUP(Epoch){};
 
 TEST(Epoch, ATrackedTargetIsValid) {
@@ -199,5 +201,4 @@ TEST(Epoch, AgeIsZeroWithinTheClocksSlackAndUnknownBeforeIt) {
   CHECK_FALSE(AgeAt(epoch, base::kNever).has_value());
 }
 
-}  // namespace
 }  // namespace adit::publish

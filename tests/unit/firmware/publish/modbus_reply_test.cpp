@@ -16,6 +16,8 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 constexpr std::uint8_t kUnit = 17;
 
+}  // namespace
+
 TEST_GROUP(ModbusReply) {
   RegisterMap map_{MakeIdentity("4711", "1.2.3", 0), {}};
   ModbusResponder responder_{map_, kUnit};
@@ -191,5 +193,4 @@ TEST(ModbusReply, AllocatesNothing) {
   LONGS_EQUAL(3 + 84, length);
 }
 
-}  // namespace
 }  // namespace adit::publish

@@ -37,6 +37,8 @@ EpochRules RulesWithOrigin() {
   return rules;
 }
 
+}  // namespace
+
 TEST_GROUP(RegisterMap) {
   RegisterMap map_{MakeIdentity("SN 7", "1.2.3", 0xCAFE1234), RulesWithOrigin()};
   RegisterImage image_;
@@ -114,7 +116,7 @@ TEST(RegisterMap, LiveBlockHoldsTheEpoch) {
 }
 
 // Bit by bit, as the definition of the CRC goes; the code under test uses a table.
-std::uint16_t SlowCrc(const std::string& bytes) {
+static std::uint16_t SlowCrc(const std::string& bytes) {
   unsigned crc = 0xFFFF;
   for (const char byte : bytes) {
     for (int bit = 7; bit >= 0; --bit) {
@@ -339,5 +341,4 @@ TEST(RegisterMap, NoTwoSignalsShareABitOnCan) {
   }
 }
 
-}  // namespace
 }  // namespace adit::publish

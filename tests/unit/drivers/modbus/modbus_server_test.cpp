@@ -21,9 +21,10 @@ class Echo final : public hal::RequestHandler {
   std::size_t Answer(std::span<const std::uint8_t> request, std::span<std::uint8_t> reply) override {
     if (request[1] == kSilent) return 0;
     std::ranges::copy(request, reply.begin());
-    return request.size();
+    return request[1] == kLong ? reply.size() : request.size();
   }
   static constexpr std::uint8_t kSilent = 99;
+  static constexpr std::uint8_t kLong = 98;
 };
 
 Bytes Request(std::uint8_t transaction, std::uint8_t function = 4, std::size_t data = 4) {
@@ -86,6 +87,21 @@ TEST(ModbusServer, AnswersTheLongestRequest) {
   for (int i = 0; i < 20; ++i) CHECK(client.Send(longest));
   Bytes all = client.Receive(20 * longest.size());
   LONGS_EQUAL(20 * longest.size(), all.size());
+}
+
+TEST(ModbusServer, ManyShortRequestsForLongAnswersAreAllAnswered) {
+  Open();
+  PlainClient client(Port());
+  Bytes all;
+  for (int i = 0; i < 500; ++i) {
+    const Bytes request = Request(static_cast<std::uint8_t>(i), Echo::kLong);
+    all.insert(all.end(), request.begin(), request.end());
+  }
+  CHECK(client.Send(all));
+  constexpr std::size_t kAnswer = 6 + 254;
+  const Bytes answers = client.Receive(500 * kAnswer);
+  LONGS_EQUAL(500 * kAnswer, answers.size());
+  for (std::size_t i = 0; i < 500; ++i) LONGS_EQUAL(i % 256, answers[i * kAnswer + 1]);
 }
 
 TEST(ModbusServer, AnswersWhatCameBeforeTheClientEndedItsSide) {
@@ -164,12 +180,15 @@ TEST(ModbusServer, DrippingDoesNotProlongTheLimit) {
   options.partial_limit_ns = 100 * base::kNsPerMs;
   Open(options);
   PlainClient client(Port());
+  // A request of 254 bytes was promised: each byte that drips in may belong to it.
+  CHECK(client.Send({0, 1, 0, 0, 0, 254}));
   bool closed = false;
   for (int i = 0; i < 60 && !closed; ++i) {
     (void)client.Send({0});
     closed = client.IsClosed(10);
   }
   CHECK(closed);
+  LONGS_EQUAL(1, server_->Health().timed_out);
 }
 
 TEST(ModbusServer, AnIdleClientIsClosed) {

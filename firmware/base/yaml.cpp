@@ -49,6 +49,22 @@ bool ParseNumber(const YAML::Node& node, double& out) {
 
 }  // namespace
 
+std::string Quoted(const std::string& text) {
+  constexpr char kHex[] = "0123456789ABCDEF";
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      quoted += {'\\', c};
+    } else if (byte < 0x20 || byte == 0x7F) {
+      quoted += {'\\', 'x', kHex[byte / 16], kHex[byte % 16]};
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "\"";
+}
+
 struct YamlReader::Document {
   std::string name;
   std::optional<Error> error;

@@ -16,6 +16,9 @@ struct Range {
   double max = std::numeric_limits<double>::infinity();
 };
 
+/// `text` between double quotes, escaped, so that every YAML reader reads the same text back.
+std::string Quoted(const std::string& text);
+
 /// A place in a YAML document. Ask for keys one after the other; the first mistake is kept, later questions
 /// return their fallback. Finish() returns that mistake, and refuses keys that nobody asked for. Not for the
 /// hot path.

@@ -3,6 +3,7 @@
 #include <boost/crc.hpp>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <iterator>
 #include <optional>
 #include <sstream>
@@ -63,28 +64,34 @@ class KeyReader {
   std::vector<std::optional<YamlReader>> places_;
 };
 
+std::string Written(const std::string& value) { return base::Quoted(value); }
+
+std::string Written(double value) {
+  std::ostringstream text;
+  text << std::setprecision(12) << value;  // millimetres of a site coordinate, and 0.1 stays 0.1
+  return text.str();
+}
+
 template <class T>
 std::string Bracketed(const std::vector<T>& values) {
-  std::ostringstream text;
-  text << "[";
-  for (std::size_t i = 0; i < values.size(); ++i) text << (i == 0 ? "" : ", ") << values[i];
-  text << "]";
-  return text.str();
+  std::string text = "[";
+  for (std::size_t i = 0; i < values.size(); ++i) text += (i == 0 ? "" : ", ") + Written(values[i]);
+  return text + "]";
 }
 
 /// Writes a configuration as YAML, with or without the notes on every key.
 class KeyWriter {
  public:
-  explicit KeyWriter(bool with_notes) : with_notes_(with_notes) { text_.precision(12); }
+  explicit KeyWriter(bool with_notes) : with_notes_(with_notes) {}
 
   void Enter(const char* name) { Indent() << name << ":\n", depth_ += 1; }
   void Leave() { depth_ -= 1; }
   void Text(const char* key, const std::string& value, KeyNote note) {
     if (!with_notes_ && value.empty()) return;  // an absent text, not an empty one
-    Line(key, "\"" + value + "\"", "text", note);
+    Line(key, base::Quoted(value), "text", note);
   }
   void Required(const char* key, const std::string& value, KeyNote note) {
-    Line(key, "\"" + value + "\"", "file, required", note);
+    Line(key, base::Quoted(value), "file, required", note);
   }
   void Texts(const char* key, const std::vector<std::string>& value, KeyNote note) {
     Line(key, Bracketed(value), "list of texts", note);
@@ -105,9 +112,7 @@ class KeyWriter {
     Line(key, std::to_string(value), "whole number, " + Allowed(range), note);
   }
   void Number(const char* key, double value, Range range, KeyNote note) {
-    std::ostringstream number;
-    number << value;
-    Line(key, number.str(), Allowed(range), note);
+    Line(key, Written(value), Allowed(range), note);
   }
   void Numbers(const char* key, const std::vector<double>& value, std::size_t count, Range range,
                KeyNote note) {

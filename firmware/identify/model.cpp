@@ -58,8 +58,8 @@ base::Result<base::Target> LoadTarget(const std::string& path) {
 
 std::string FormatTarget(const base::Target& target) {
   std::ostringstream text;
-  text << std::setprecision(12) << "name: " << target.name << "\nleds_m: [" << target.leds_m[0] << ", "
-       << target.leds_m[1] << ", " << target.leds_m[2] << ", " << target.leds_m[3]
+  text << std::setprecision(12) << "name: " << base::Quoted(target.name) << "\nleds_m: [" << target.leds_m[0]
+       << ", " << target.leds_m[1] << ", " << target.leds_m[2] << ", " << target.leds_m[3]
        << "]\nepicenter_m: " << target.epicenter_m << "\nled_diameter_m: " << target.led_diameter_m << "\n";
   return text.str();
 }
@@ -87,7 +87,7 @@ std::string FormatModel(const Model& model) {
        << model.p2_max << "]\ncollinearity_max: " << model.collinearity_max
        << "  # rms distance from the line / length\nlength_range_px: [" << model.length_min_px << ", "
        << model.length_max_px << "]\n";
-  if (!model.trained_on.empty()) text << "trained_on: \"" << model.trained_on << "\"\n";
+  if (!model.trained_on.empty()) text << "trained_on: " << base::Quoted(model.trained_on) << "\n";
   return text.str();
 }
 

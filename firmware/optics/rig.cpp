@@ -186,7 +186,7 @@ base::Result<Rig> LoadRig(const std::string& path) {
   rig.right = ReadCamera(cam1, true);
   rig.T_r_l = ReadExtrinsics(cam1);
   rig.calibration_id = in->TextOr("calibration_id", "unnamed");
-  // It goes into rows of CSV and between the quotes of FormatRig.
+  // It goes into rows of CSV.
   if (rig.calibration_id.find_first_of(",\"\\\n\r\t") != std::string::npos)
     in->Refuse("calibration_id", "must not hold commas, quotes, backslashes, tabs or line ends");
   // Kalibr's own extras, and adit's that say how the calibration came about.
@@ -212,7 +212,7 @@ std::string FormatRig(const Rig& rig) {
   const Eigen::Vector3d& t = rig.T_r_l.translation_m;
   text << "  T_cn_cnm1:  # maps a point of cam0 into cam1, metres\n";
   for (int i = 0; i < 3; ++i) text << "    - " << Row({r(i, 0), r(i, 1), r(i, 2), t[i]}) << "\n";
-  text << "    - [0, 0, 0, 1]\ncalibration_id: \"" << rig.calibration_id << "\"\n";
+  text << "    - [0, 0, 0, 1]\ncalibration_id: " << base::Quoted(rig.calibration_id) << "\n";
   return text.str();
 }
 

@@ -278,6 +278,18 @@ TEST(Yaml, StaysOneShortLineWhateverTheFileSays) {
 
 TEST(Yaml, ReadsAnOpenCvHeader) { COMPLAINS("", "%YAML:1.0\n---\na: 3\n", Number); }
 
+TEST(Yaml, QuotesTextSoThatItReadsBack) {
+  STRCMP_EQUAL("\"a b\"", adit::base::Quoted("a b").c_str());
+  for (const std::string text :
+       {"\"", "\\", "a\nb\tc\r\x7f\x01", "null", "- x: y # z", "'", "\xC3\xA4", "\\x41", "%", "1e5"}) {
+    auto in = YamlReader::OpenText(
+        "a: " + adit::base::Quoted(text) + "\nb: [" + adit::base::Quoted(text) + "]\n", "f");
+    CHECK(!!in);
+    STRCMP_EQUAL(text.c_str(), in->Text("a").c_str());
+    STRCMP_EQUAL(text.c_str(), in->TextsOr("b", {}).at(0).c_str());
+  }
+}
+
 TEST(Yaml, NamesAFileThatCannotBeRead) {
   const auto missing = YamlReader::OpenFile("/no/such/file.yaml");
   CHECK_FALSE(missing);

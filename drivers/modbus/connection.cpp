@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <span>
 
+#include "firmware/base/require.h"
+
 namespace adit::modbus {
 
 Connection::Connection(int socket, std::uint32_t peer, base::TimeNs now_ns)
@@ -50,8 +52,9 @@ bool Connection::Flush() {
 
 Connection::ReadOutcome Connection::ReadSome() {
   const std::span<std::uint8_t> room = stream_.Room();
-  // Reading into no room would look like the end of the stream.
-  if (room.empty()) return ReadOutcome::kNothing;
+  // Reading into no room would look like the end of the stream. There always is some: each round answers and
+  // drops at least one request before it reads again.
+  ADIT_REQUIRE(!room.empty());
   const ssize_t count = ::recv(socket_, room.data(), room.size(), MSG_DONTWAIT);
   if (count == 0) return ReadOutcome::kEnd;
   if (count < 0) {

@@ -33,7 +33,7 @@ void BlobGrid::Build(const detect::BlobSet& blobs) {
   variance_max_px2_ = 0;
   start_.fill(0);
   if (size_ == 0) return;
-  origin_px_ = low;
+  origin_px_ = low, extent_px_ = high - low;
   constexpr double kSmallestCellPx = 16;  // smaller ones only make boxes of more cells
   cells_per_px_ = 1 / std::max(kSmallestCellPx, (high - low).maxCoeff() / kCells);
 

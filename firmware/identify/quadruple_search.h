@@ -18,17 +18,25 @@ class QuadrupleSearch {
   /// A line through the images of the base LEDs: LED `base_` at `origin`, the next LED `gap_px` along it.
   struct Base;
 
-  void SeekFar(const Base& base, SightingSet& out) const;
-  void SeekRest(const Base& base, std::size_t far, double far_px, SightingSet& out) const;
-  double AlongPx(const Base& base, double ds_m, double gain_per_m) const;
-  double Reach(const Base& base, std::size_t led) const;
+  void SeekThird(const Base& base, SightingSet& out) const;
+  void SeekFourth(const Base& base, std::size_t third, double third_px, SightingSet& out) const;
+  /// Place `ds_m` from the base LED, in gaps, at a depth gain of `gain_per_m`.
+  double AlongGaps(double ds_m, double gain_per_m) const {
+    return (ds_m / gap_m_) * (1 + gain_per_m * gap_m_) / (1 + gain_per_m * ds_m);
+  }
 
   QuadrupleTest test_;
-  std::size_t base_ = 0;  ///< LED index; the base is this LED and the next
-  std::size_t far_ = 0;   ///< sought first: the one that fixes the perspective best
-  std::size_t rest_ = 0;
+  std::size_t base_ = 0;   ///< LED index; the base is this LED and the next
+  std::size_t third_ = 0;  ///< sought next: the nearest to the base, in a strip as long as perspective allows
+  std::size_t fourth_ = 0;  ///< sought last: where the other three say
   double gap_m_ = 0;
+  double third_m_ = 0, fourth_m_ = 0;  ///< from the base LED, signed
   double gap_min_px_ = 0, gap_max_px_ = 0;
+  /// Nearest and farthest place of the third LED and nearest of the fourth, in gaps from the base LED, within
+  /// the perspective that is possible at all; signed.
+  double third_from_ = 0, third_to_ = 0, fourth_nearest_ = 0;
+  double third_reach_ = 0;   ///< tolerance of the third LED's place, per pixel of centroid noise
+  double fourth_reach_ = 0;  ///< and of the fourth's
 };
 
 }  // namespace adit::identify

@@ -82,7 +82,8 @@ base::Target SeedTargetOne() { return {"one", {0, 0.25, 0.65, 1.50}, -0.40, 0.04
 base::Target SeedTargetTwo() { return {"two", {0, 0.25, 0.80, 1.50}, 0.75, 0.04}; }
 base::Target ShortTarget() { return {"short", {0, 0.20, 0.47, 0.82}, 1.20, 0.04}; }
 
-identify::Model ModelOf(const base::Target& target, double f_px) {
+identify::Model ModelOf(const base::Target& target, double nearest_m) {
+  constexpr double kFocalPx = 3378;
   const auto& s = target.leds_m;
   const double l = (s[1] / (s[3] - s[1])) / (s[2] / (s[3] - s[2]));
   const double l2 = l * l, l3 = l2 * l, l4 = l3 * l, l5 = l4 * l, l6 = l5 * l;
@@ -93,8 +94,8 @@ identify::Model ModelOf(const base::Target& target, double f_px) {
   model.target = target;
   model.p2_min = std::max(2.0, j - kSpread), model.p2_max = std::min(2.8, j + kSpread);
   model.collinearity_max = 0.01;
-  model.length_min_px = 0.1 * f_px * s[3] / 120;
-  model.length_max_px = f_px * s[3] / 4;
+  model.length_min_px = 0.1 * kFocalPx * s[3] / 120;
+  model.length_max_px = kFocalPx * s[3] / nearest_m;
   model.trained_on = "geometry";
   return model;
 }

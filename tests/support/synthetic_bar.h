@@ -58,8 +58,8 @@ base::Target SeedTargetOne();
 base::Target SeedTargetTwo();
 base::Target ShortTarget();
 
-/// A model as training from geometry would give it for 4 to 120 m.
-identify::Model ModelOf(const base::Target& target, double f_px = 3378);
+/// A model as training from geometry would give it, f = 3378 px, from `nearest_m` to 120 m.
+identify::Model ModelOf(const base::Target& target, double nearest_m = 4);
 
 /// The blobs of one pair.
 struct BlobPair {

@@ -1,9 +1,7 @@
 // adit calibrate: a rig file from recordings of a waved bar.
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include <CLI/CLI.hpp>
 
 namespace adit::host {
 

@@ -6,8 +6,6 @@
 #include <map>
 #include <utility>
 
-#include "host/csv_table.h"
-
 namespace adit::host {
 namespace {
 
@@ -16,35 +14,20 @@ using base::ErrorCode;
 using base::TimeNs;
 using Eigen::Vector3d;
 using pipeline::TrackRow;
+using sim::TruthRow;
 
 constexpr TimeNs kSameExposureNs = base::kNsPerMs;  // frames follow each other by 4 ms or more
 constexpr std::array<double, 7> kEdgesM{0, 20, 30, 50, 80, 110, 1000};
 
-/// The numbers of some columns of one row, all of which must be there.
-base::Result<std::vector<double>> NumbersOf(const CsvTable& table, std::size_t row,
-                                            const std::vector<std::string>& columns) {
-  std::vector<double> numbers;
-  for (const std::string& column : columns) {
-    const auto number = table.Number(row, column);
-    if (!number) return number.error();
-    if (!number->has_value())
-      return Error{ErrorCode::kMalformed, table.Where(row, column), "is empty; it must be a number"};
-    numbers.push_back(**number);
-  }
-  return numbers;
-}
-
-Vector3d Three(const std::vector<double>& numbers, std::size_t from) {
-  return {numbers[from], numbers[from + 1], numbers[from + 2]};
-}
+double BarM(const TruthRow& truth) { return (truth.leds_m.back() - truth.leds_m.front()).norm(); }
 
 /// Sums over the pairs of one target in one range.
 struct Sums {
   Figures figures;
   double squares_m2 = 0, nees = 0, bar_abs_m = 0, bar_squares_m2 = 0, true_bar_m = 0;
 
-  void Add(const TrackRow& found, const TruthPoint& truth) {
-    const Vector3d error_m = found.position_m - truth.position_m;
+  void Add(const TrackRow& found, const TruthRow& truth) {
+    const Vector3d error_m = found.position_m - truth.epicenter_m;
     ++figures.tracked;
     figures.recovered += found.status == stereo::FixStatus::kRecovered ? 1 : 0;
     figures.max_m = std::max(figures.max_m, error_m.norm());
@@ -52,9 +35,9 @@ struct Sums {
     figures.flips += found.direction.dot(truth.direction) < 0 ? 1 : 0;
     squares_m2 += error_m.squaredNorm();
     nees += error_m.cwiseQuotient(found.sigma_m).squaredNorm();
-    bar_abs_m += std::abs(found.bar_m - truth.bar_m);
+    bar_abs_m += std::abs(found.bar_m - BarM(truth));
     bar_squares_m2 += found.bar_m * found.bar_m;
-    true_bar_m += truth.bar_m;
+    true_bar_m += BarM(truth);
   }
 
   Figures Finish() const {
@@ -84,8 +67,8 @@ class TargetSums {
   }
 
   /// One truth row, with what was found for it (or null).
-  void Add(const TruthPoint& truth, const TrackRow* found, int visible_min) {
-    const double distance_m = truth.position_m.norm();
+  void Add(const TruthRow& truth, const TrackRow* found, int visible_min) {
+    const double distance_m = truth.epicenter_m.norm();
     for (Sums& sums : sums_) {
       if (distance_m < sums.figures.from_m || distance_m >= sums.figures.to_m) continue;
       if (truth.visible < visible_min) {
@@ -109,28 +92,7 @@ class TargetSums {
 
 }  // namespace
 
-base::Result<std::vector<TruthPoint>> ReadTruth(const std::string& path) {
-  const std::vector<std::string> numbers{"x_m",      "y_m",      "z_m",      "dx",       "dy",
-                                         "dz",       "led1_x_m", "led1_y_m", "led1_z_m", "led4_x_m",
-                                         "led4_y_m", "led4_z_m", "visible"};
-  std::vector<std::string> columns = numbers;
-  columns.insert(columns.end(), {"timestamp_ns", "target"});
-  const auto table = CsvTable::Open(path, columns);
-  if (!table) return table.error();
-  std::vector<TruthPoint> points;
-  for (std::size_t row = 0; row < table->Rows(); ++row) {
-    const auto time_ns = table->Time(row, "timestamp_ns");
-    if (!time_ns) return time_ns.error();
-    const auto values = NumbersOf(*table, row, numbers);
-    if (!values) return values.error();
-    const double bar_m = (Three(*values, 9) - Three(*values, 6)).norm();
-    points.push_back({*time_ns, std::string(table->Text(row, "target")), Three(*values, 0), Three(*values, 3),
-                      bar_m, static_cast<int>((*values)[12])});
-  }
-  return points;
-}
-
-base::Result<Comparison> Compare(const std::vector<TrackRow>& track, const std::vector<TruthPoint>& truth,
+base::Result<Comparison> Compare(const std::vector<TrackRow>& track, const std::vector<TruthRow>& truth,
                                  int visible_min) {
   std::map<std::pair<std::string, TimeNs>, const TrackRow*> found;
   for (const TrackRow& row : track) {
@@ -141,7 +103,7 @@ base::Result<Comparison> Compare(const std::vector<TrackRow>& track, const std::
   Comparison out;
   std::map<std::string, TargetSums> targets;
   std::size_t visible = 0, used = 0;
-  for (const TruthPoint& point : truth) {
+  for (const TruthRow& point : truth) {
     auto& sums = targets.try_emplace(point.target, point.target).first->second;
     const auto match = found.lower_bound({point.target, point.mid_exposure_ns - kSameExposureNs});
     const bool matches = match != found.end() && match->first.first == point.target &&

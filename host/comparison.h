@@ -5,24 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "drivers/sim/truth_file.h"
 #include "firmware/base/result.h"
-#include "firmware/base/time.h"
 #include "firmware/pipeline/track_row.h"
 
 namespace adit::host {
-
-/// One row of a truth file.
-struct TruthPoint {
-  base::TimeNs mid_exposure_ns = 0;
-  std::string target;
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-  double bar_m = 0;  ///< LED 1 to LED 4
-  int visible = 0;   ///< LEDs that both cameras can see
-};
-
-/// Reads a truth file. Refuses, with file, line and column, what is not one.
-base::Result<std::vector<TruthPoint>> ReadTruth(const std::string& path);
 
 /// Figures of one target in one range of distances (from the rig's origin).
 struct Figures {
@@ -53,7 +40,7 @@ struct Comparison {
 /// differ by less than 1 ms. Declines (kFailed) when there is nothing to compare: no truth row with
 /// `visible_min` LEDs, and no false position either.
 base::Result<Comparison> Compare(const std::vector<pipeline::TrackRow>& track,
-                                 const std::vector<TruthPoint>& truth, int visible_min);
+                                 const std::vector<sim::TruthRow>& truth, int visible_min);
 
 /// As a table for people, and as JSON.
 std::string FormatTable(const Comparison& comparison);

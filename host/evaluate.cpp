@@ -20,7 +20,7 @@ struct EvaluateArguments {
 int Evaluate(const EvaluateArguments& arguments) {
   const auto track = pipeline::LoadTrack(arguments.track);
   if (!track) return Fail("evaluate", track.error());
-  const auto truth = ReadTruth(arguments.truth);
+  const auto truth = sim::ReadTruth(arguments.truth);
   if (!truth) return Fail("evaluate", truth.error());
   auto comparison = Compare(*track, *truth, arguments.visible_min);
   if (!comparison) {

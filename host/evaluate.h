@@ -1,9 +1,7 @@
 // adit evaluate: a track against the truth.
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include <CLI/CLI.hpp>
 
 namespace adit::host {
 

@@ -1,9 +1,7 @@
 // adit track: a recording through the pipeline of the box, to a track file.
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include <CLI/CLI.hpp>
 
 namespace adit::host {
 

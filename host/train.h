@@ -1,9 +1,7 @@
 // adit train: a model from a target and, if given, recordings of it.
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include <CLI/CLI.hpp>
 
 namespace adit::host {
 

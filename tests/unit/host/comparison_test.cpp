@@ -1,7 +1,6 @@
 #include "host/comparison.h"
 
-#include <filesystem>
-#include <fstream>
+#include <cmath>
 
 #include <CppUTest/TestHarness.h>
 
@@ -10,25 +9,31 @@ namespace {
 using adit::host::Compare;
 using adit::host::Comparison;
 using adit::host::Figures;
-using adit::host::TruthPoint;
 using adit::pipeline::TrackRow;
+using adit::sim::TruthRow;
 using Eigen::Vector3d;
 
 constexpr adit::base::TimeNs kFrameNs = 16'666'667;
 
-TruthPoint True(int frame, double z_m, const std::string& target = "bar") {
-  return {frame * kFrameNs, target, Vector3d(0, 0, z_m), Vector3d::UnitX(), 1.5, 4};
+TruthRow True(int frame, double z_m, const std::string& target = "bar") {
+  TruthRow row;
+  row.mid_exposure_ns = frame * kFrameNs;
+  row.target = target;
+  row.epicenter_m = Vector3d(0, 0, z_m);
+  row.leds_m = {Vector3d(0, 0, z_m), Vector3d(0.25, 0, z_m), Vector3d(0.65, 0, z_m), Vector3d(1.5, 0, z_m)};
+  row.visible = 4;
+  return row;
 }
 
-TrackRow Found(const TruthPoint& truth, const Vector3d& error_m = Vector3d::Zero()) {
+TrackRow Found(const TruthRow& truth, const Vector3d& error_m = Vector3d::Zero()) {
   TrackRow row;
   row.timestamp_ns = truth.mid_exposure_ns;
   row.target = truth.target;
   row.status = adit::stereo::FixStatus::kTracked;
-  row.position_m = truth.position_m + error_m;
+  row.position_m = truth.epicenter_m + error_m;
   row.sigma_m = Vector3d::Constant(0.001);
   row.direction = truth.direction;
-  row.bar_m = truth.bar_m;
+  row.bar_m = 1.5;
   return row;
 }
 
@@ -41,22 +46,12 @@ Figures Of(const Comparison& comparison, double from_m, double to_m) {
   return {};
 }
 
-std::string Written(const std::string& name, const std::string& text) {
-  const std::string path = (std::filesystem::temp_directory_path() / name).string();
-  std::ofstream(path) << text;
-  return path;
-}
-
-const char* const kTruthHeader =
-    "timestamp_ns,trigger,target,x_m,y_m,z_m,dx,dy,dz,led1_x_m,led1_y_m,led1_z_m,led4_x_m,led4_y_m,led4_z_m,"
-    "visible\n";
-
 }  // namespace
 
 TEST_GROUP(Comparison){};
 
 TEST(Comparison, KnowsErrorsOfKnownTracks) {
-  const std::vector<TruthPoint> truth{True(0, 25), True(1, 25), True(2, 60), True(3, 60)};
+  const std::vector<TruthRow> truth{True(0, 25), True(1, 25), True(2, 60), True(3, 60)};
   std::vector<TrackRow> track{Found(truth[0], {0.003, 0, 0}), Found(truth[1], {0, -0.004, 0}),
                               Found(truth[2], {0, 0, 0.002})};
   track[0].bar_m = 1.502, track[1].bar_m = 1.497;
@@ -82,13 +77,13 @@ TEST(Comparison, KnowsErrorsOfKnownTracks) {
 }
 
 TEST(Comparison, CountsPositionsThatTheTruthDoesNotHold) {
-  const std::vector<TruthPoint> truth{True(0, 25)};
+  const std::vector<TruthRow> truth{True(0, 25)};
   const std::vector<TrackRow> track{Found(True(0, 25)), Found(True(1, 25)), Found(True(0, 25, "ghost"))};
   LONGS_EQUAL(2, Compare(track, truth, 4)->false_positions);
 }
 
 TEST(Comparison, LeavesHiddenTargetsOutOfTheErrors) {
-  std::vector<TruthPoint> truth{True(0, 25), True(1, 25)};
+  std::vector<TruthRow> truth{True(0, 25), True(1, 25)};
   truth[1].visible = 3;
   const std::vector<TrackRow> track{Found(truth[0]), Found(truth[1], {1, 0, 0})};
 
@@ -124,34 +119,4 @@ TEST(Comparison, TakesLostAndPredictedRowsForNoPosition) {
   LONGS_EQUAL(1, Of(comparison, 0, 1000).tracked);
   LONGS_EQUAL(1, Of(comparison, 0, 1000).recovered);
   LONGS_EQUAL(0, comparison.false_positions);
-}
-
-TEST(Comparison, ReadsTheBarOfATruthFileFromItsLeds) {
-  const std::string path =
-      Written("adit_truth.csv", std::string(kTruthHeader) + "5,0,bar,1,2,30,1,0,0,0,2,30,0.9,3.2,30,4\n");
-  const auto truth = adit::host::ReadTruth(path);
-  DOUBLES_EQUAL(1.5, (*truth)[0].bar_m, 1e-12);
-  LONGS_EQUAL(4, (*truth)[0].visible);
-  std::filesystem::remove(path);
-}
-
-TEST(Comparison, NamesFileLineAndColumnOfAMistake) {
-  const auto refused = [](const std::string& text) {
-    const std::string path = Written("adit_bad.csv", text);
-    const auto truth = adit::host::ReadTruth(path);
-    std::filesystem::remove(path);
-    CHECK_FALSE(truth);
-    return truth.error().Line().substr(path.size());
-  };
-  STRCMP_EQUAL(":1: has no column 'x_m'", refused("timestamp_ns\n").c_str());
-  STRCMP_EQUAL(":2: has 2 cells; the header has 16", refused(std::string(kTruthHeader) + "1,2\n").c_str());
-  STRCMP_EQUAL(":2: z_m: is 'near'; it must be a number or empty",
-               refused(std::string(kTruthHeader) + "5,0,bar,1,2,near,1,0,0,0,2,30,1,2,30,4\n").c_str());
-  STRCMP_EQUAL(":3: timestamp_ns: is '5.5'; it must be whole nanoseconds",
-               refused(std::string(kTruthHeader) + "5,0,bar,1,2,3,1,0,0,0,2,30,1,2,30,4\n" +
-                       "5.5,0,bar,1,2,3,1,0,0,0,2,30,1,2,30,4\n")
-                   .c_str());
-  STRCMP_EQUAL(":2: dx: is empty; it must be a number",
-               refused(std::string(kTruthHeader) + "5,0,bar,1,2,3,,0,0,0,2,30,1,2,30,4\n").c_str());
-  CHECK_FALSE(adit::host::ReadTruth("/nowhere/truth.csv"));
 }

@@ -23,6 +23,12 @@ elseif(ADIT_SANITIZE STREQUAL "thread")
   target_link_options(adit_options INTERFACE -fsanitize=thread)
 endif()
 
+if(ADIT_FUZZ)
+  # The engine steers by the coverage of the rooms, so they are instrumented too.
+  target_compile_options(adit_options INTERFACE -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all)
+  target_link_options(adit_options INTERFACE -fsanitize=address,undefined)
+endif()
+
 # adit_room(name DEPENDS targets...): a library adit_<name> of all sources in the current folder.
 function(adit_room name)
   cmake_parse_arguments(ROOM "" "" "DEPENDS" ${ARGN})

@@ -1,0 +1,13 @@
+// adit serve: a scene as two GigE Vision cameras.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace adit::host {
+
+/// Adds `adit serve SCENE --left IP --right IP [--truth FILE] [--seconds N]`; its run sets `exit_code`.
+void AddServe(CLI::App& app, int& exit_code);
+
+}  // namespace adit::host

@@ -126,16 +126,18 @@ base::Result<std::vector<TruthRow>> ReadTruth(const std::string& path) {
   if (!file) return Error{ErrorCode::kNotFound, path, "cannot be read"};
   std::vector<TruthRow> rows;
   std::string line;
-  base::TimeNs earliest_ns = 0;
-  for (int number = 1; std::getline(file, line); ++number) {
+  const auto next_line = [&file, &line] {
+    if (!std::getline(file, line)) return false;
     if (!line.empty() && line.back() == '\r') line.pop_back();
+    return true;
+  };
+  if (!next_line() || line + "\n" != TruthHeader()) {
+    return Error{ErrorCode::kMalformed, path + ":1",
+                 "is not the header of a truth file: " + TruthHeader().substr(0, 60) + "..."};
+  }
+  base::TimeNs earliest_ns = 0;
+  for (int number = 2; next_line(); ++number) {
     const std::string where = path + ":" + std::to_string(number);
-    if (number == 1) {
-      if (line + "\n" != TruthHeader())
-        return Error{ErrorCode::kMalformed, where,
-                     "is not the header of a truth file: " + TruthHeader().substr(0, 60) + "..."};
-      continue;
-    }
     if (line.empty()) continue;
     auto row = ParseTruthLine(line, earliest_ns);
     if (!row) return Error{ErrorCode::kMalformed, where, row.error().detail};

@@ -25,7 +25,7 @@ std::array<Vector2d, kDiscPoints> PlaceDiscPoints() {
     // Each ring stands for its share of the area; its radius halves that area.
     const double radius = std::sqrt((static_cast<double>(inside) + count / 2.0) / kDiscPoints);
     for (int i = 0; i < count; ++i) {
-      const double angle = 2 * pi * (i + 0.5) / count;
+      const double angle = 2 * pi * (i + 0.25) / count;  // no two points on one upright or level line
       points[next++] = radius * Vector2d(std::cos(angle), std::sin(angle));
     }
     inside += static_cast<std::size_t>(count);

@@ -52,8 +52,14 @@ TEST(Conveyor, NeverRunsOutOfDraftsWhileTheConsumerHoldsAllItMay) {
       conveyor.Draft() = i;
       conveyor.Commit();
     }
+    for (int i = 0; i < 3; ++i) LONGS_EQUAL(i, *held[i]);
     for (int* const slot : held) conveyor.GiveBack(slot);
-    while (int* const slot = conveyor.Pop()) conveyor.GiveBack(slot);
+    for (int newest = 6; newest < 10; ++newest) {
+      int* const slot = conveyor.Pop();
+      LONGS_EQUAL(newest, *slot);
+      conveyor.GiveBack(slot);
+    }
+    POINTERS_EQUAL(nullptr, conveyor.Pop());
   }
 }
 

@@ -75,6 +75,8 @@ T FromWord(std::uint64_t word) {
 template <class T>
 class ModelAtomic {
  public:
+  // The names are the standard library's: it stands in its place.
+  // NOLINTBEGIN(readability-identifier-naming)
   static constexpr bool is_always_lock_free = true;
 
   ModelAtomic() : ModelAtomic(T{}) {}
@@ -82,8 +84,6 @@ class ModelAtomic {
   ModelAtomic(const ModelAtomic&) = delete;
   ModelAtomic& operator=(const ModelAtomic&) = delete;
 
-  // The names are the standard library's: it stands in its place.
-  // NOLINTBEGIN(readability-identifier-naming)
   T load(std::memory_order order) const { return model::FromWord<T>(model::Load(location_, order)); }
   void store(T value, std::memory_order order) { model::Store(location_, model::ToWord(value), order); }
   T exchange(T value, std::memory_order order) {

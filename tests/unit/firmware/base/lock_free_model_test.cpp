@@ -1,7 +1,8 @@
 // The ring and the latest value in every order of steps that the C++ memory model allows: up to four
 // pushes against two pops, two stores against a load. x86 shows few of them; an ARM box shows them all.
-// Weakening any of the orders makes a test here fail, except those that keep the consumer's read of a slot
-// before its reuse (release in Pop, acquires of read_ in Push): the model's loads are never that late.
+// Weakening an order of Push, Pop, Store or Load makes a test here fail, except those that keep the
+// consumer's read of a slot before its reuse (release in Pop, acquires of read_ in Push): the model's loads
+// are never that late.
 #include <array>
 #include <memory>
 #include <vector>

@@ -100,13 +100,16 @@ base::Result<identify::Model> Trained(const TrainArguments& arguments) {
   for (const std::string& recording : arguments.recordings) {
     if (auto counted = CountRecording(arguments, recording, model, tally); !counted) return counted.error();
   }
-  std::cout << tally.none + tally.one + tally.several << " images: " << tally.one << " with one hit, "
-            << tally.none << " with none, " << tally.several << " with several\n";
+  const std::string counts = std::to_string(tally.none + tally.one + tally.several) +
+                             " images: " + std::to_string(tally.one) + " with one hit, " +
+                             std::to_string(tally.none) + " with none, " + std::to_string(tally.several) +
+                             " with several";
   if (tally.one == 0) {
-    return base::Error{
-        base::ErrorCode::kFailed, arguments.recordings.front(),
-        "shows '" + target->name + "' in no image exactly once; check leds_m in " + arguments.target};
+    return base::Error{base::ErrorCode::kFailed, arguments.recordings.front(),
+                       "shows '" + target->name + "' in no image exactly once (" + counts +
+                           "); check leds_m in " + arguments.target};
   }
+  std::cout << counts << "\n";
   identify::Model refined = RefinedModel(NoiseRanges(*target, options), tally);
   refined.trained_on = std::to_string(tally.one) + " images, and " + model.trained_on;
   return refined;

@@ -125,6 +125,10 @@ class SceneReader {
     wave.step_s = in.NumberOr("step_s", wave.step_s, {0.01, 1000});
     wave.length_s = static_cast<double>(scene_.frames) / scene_.rate_hz;
     wave.seed = scene_.seed;
+    constexpr double kStepsMax = 100'000;
+    if (in.Ok() && wave.length_s / wave.step_s > kStepsMax)
+      in.Refuse("step_s", "makes " + std::to_string(wave.length_s / wave.step_s) +
+                              " steps of the scene; it must be 100000 at most");
     if (!in.Ok()) return ground_;
     const auto waypoints = WaveBar(wave, target, scene_.rig);
     if (waypoints.empty()) {

@@ -67,7 +67,7 @@ TEST(RecordingCamera, DeliversAllFramesInOrderWithTheirTimesAndTriggers) {
   const Replayed rig;
   RecordingCamera camera(rig.options, rig.clock);
   CHECK_TRUE(static_cast<bool>(camera.Start()));
-  for (const std::uint64_t trigger : {0, 1, 3, 4}) {
+  for (const std::uint64_t trigger : {0U, 1U, 3U, 4U}) {
     CameraFrame frame;
     CHECK_TRUE(camera.Wait(kLongNs, frame) == WaitOutcome::kFrame);
     LONGS_EQUAL(trigger, frame.stamp.trigger);

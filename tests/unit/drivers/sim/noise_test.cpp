@@ -108,7 +108,7 @@ TEST(Noise, OfNeighboursIsNotCorrelated) {
   Sensor sensor;
   sensor.background_dn = 50;
   const auto pixels = Lit<std::uint8_t>(sensor, 0);
-  for (const std::size_t apart : {1, 2, 3, 4, 1400}) {
+  for (const std::size_t apart : {1U, 2U, 3U, 4U, 1400U}) {
     double sum = 0;
     for (std::size_t i = 0; i + apart < kCount; ++i) sum += (pixels[i] - 50.0) * (pixels[i + apart] - 50.0);
     DOUBLES_EQUAL(0, sum / kCount, 5 * 2.34 / std::sqrt(kCount));

@@ -167,6 +167,7 @@ TEST(Scene, RefusesEveryMistakeInOneLineThatNamesIt) {
       {kSmallRig + bar + ", at_m: [0, 0, 20], off: [{led: 5, from_s: 0, to_s: 1}]}]\n",
        "targets[0].off[0].led: is '5'"},
       {kSmallRig + bar + ", wave: {nearest_m: 0.5, farthest_m: 0.6}}]\n", "targets[0].wave: finds no place"},
+      {kSmallRig + "frames: 1e7\n" + bar + ", wave: {step_s: 0.01}}]\n", "targets[0].wave.step_s: makes"},
       {kSmallRig + bar + ", path: {waypoints: []}}]\n", "targets[0].path.waypoints: is empty"},
       {kSmallRig + bar + ", path: {waypoints: [{t_s: 1, at_m: [0, 0, 1]}, {t_s: 1, at_m: [0, 0, 1]}]}}]\n",
        "targets[0].path.waypoints[1].t_s: is not later"},

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
 
 namespace adit::base {
 
@@ -31,6 +33,14 @@ struct Pose {
 
   Pose<From, To> Inverse() const { return {rotation.transpose(), -(rotation.transpose() * translation_m)}; }
 };
+
+/// N points at the origin: Eigen leaves what it makes by default as it finds it.
+template <std::size_t N>
+std::array<Eigen::Vector3d, N> ZeroPoints() {
+  std::array<Eigen::Vector3d, N> points;
+  points.fill(Eigen::Vector3d::Zero());
+  return points;
+}
 
 /// The cross product matrix [v]x.
 inline Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {

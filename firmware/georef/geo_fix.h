@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "firmware/base/pose.h"
 #include "firmware/track/target_state.h"
 
 namespace adit::georef {
@@ -14,7 +15,8 @@ struct GeoFix {
   Eigen::Vector3d position_s_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_s_m2 = Eigen::Matrix3d::Zero();
   Eigen::Vector3d direction_s = Eigen::Vector3d::Zero();
-  std::array<Eigen::Vector3d, base::kLedCount> leds_s_m{};  ///< each LED on its own
+  std::array<Eigen::Vector3d, base::kLedCount> leds_s_m =
+      base::ZeroPoints<base::kLedCount>();  ///< each LED on its own
 };
 
 struct GeoFixSet {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/base/pose.h"
 #include "firmware/base/result.h"
 #include "firmware/georef/geo_fix.h"
 
@@ -21,7 +22,7 @@ struct TrackRow {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();  ///< one standard deviation
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-  std::array<Eigen::Vector3d, base::kLedCount> leds_m{};
+  std::array<Eigen::Vector3d, base::kLedCount> leds_m = base::ZeroPoints<base::kLedCount>();
   std::uint8_t recovered_mask = 0;  ///< bit i: LED i+1 was rebuilt
   double bar_m = 0;
   double reprojection_px = 0;

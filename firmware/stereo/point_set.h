@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "firmware/base/fixed_vector.h"
+#include "firmware/base/pose.h"
 #include "firmware/identify/sighting_set.h"
 
 namespace adit::stereo {
@@ -34,7 +35,8 @@ struct TargetPoints {
   std::uint8_t target = 0;
   FixStatus status = FixStatus::kLost;
   LossReason reason = LossReason::kNotSeen;
-  std::array<Eigen::Vector3d, base::kLedCount> leds_b_m{};  ///< each LED on its own
+  std::array<Eigen::Vector3d, base::kLedCount> leds_b_m =
+      base::ZeroPoints<base::kLedCount>();                  ///< each LED on its own
   Eigen::Vector3d epicenter_b_m = Eigen::Vector3d::Zero();  ///< from the rigid bar fit
   Eigen::Matrix3d epicenter_covariance_m2 = Eigen::Matrix3d::Zero();
   Eigen::Vector3d direction_b = Eigen::Vector3d::Zero();           ///< unit, LED 1 to LED 4

@@ -48,9 +48,7 @@ struct Chain {
 };
 
 /// `distance_m` ahead of the middle between the cameras.
-Vector3d AheadM(double distance_m) {
-  return adit::support::Ahead(adit::support::ToedInRig(), distance_m);
-}
+Vector3d AheadM(double distance_m) { return adit::support::Ahead(adit::support::ToedInRig(), distance_m); }
 
 /// Mahalanobis distance of the reported epicenter from the truth.
 double ErrorSigmas(const TargetPoints& p, const SyntheticBar& bar) {

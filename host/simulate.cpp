@@ -42,14 +42,14 @@ class PartialFolder {
   base::Result<void> CheckFree() const {
     std::error_code ignored;
     if (fs::exists(out_, ignored) && !(fs::is_directory(out_, ignored) && fs::is_empty(out_, ignored)))
-      return Error{ErrorCode::kUsage, out_.string(), "exists and is not an empty folder; --out needs a new one"};
+      return Error{ErrorCode::kUsage, out_.string(),
+                   "exists and is not an empty folder; --out needs a new one"};
     return {};
   }
   base::Result<void> GiveName() {
     std::error_code fault;
     fs::rename(part_, out_, fault);
-    if (fault)
-      return Error{ErrorCode::kUnavailable, out_.string(), "cannot be made: " + fault.message()};
+    if (fault) return Error{ErrorCode::kUnavailable, out_.string(), "cannot be made: " + fault.message()};
     return {};
   }
 
@@ -82,8 +82,7 @@ base::Result<void> RenderBoth(sim::LiveScene& scene, recording::RecordingWriter&
   Progress progress("rendering", static_cast<std::size_t>(scene.GetScene().frames));
   std::atomic<bool> failed{false};
   base::Result<void> right;
-  std::thread right_thread(
-      [&] { right = RenderSide(base::Side::kRight, scene, writer, failed, nullptr); });
+  std::thread right_thread([&] { right = RenderSide(base::Side::kRight, scene, writer, failed, nullptr); });
   const base::Result<void> left = RenderSide(base::Side::kLeft, scene, writer, failed, &progress);
   right_thread.join();
   return left ? right : left;
@@ -118,9 +117,9 @@ base::Result<void> Simulate(const SimulateOrder& order) {
   if (!loaded) return loaded.error();
   if (order.frames) loaded->frames = *order.frames;
   sim::LiveScene scene(std::move(*loaded), sim::NoiseSource::kFresh);
-  auto writer = recording::RecordingWriter::Create(folder.Path(),
-                                                   optics::FormatCamera(scene.GetScene().rig.left),
-                                                   optics::FormatCamera(scene.GetScene().rig.right));
+  auto writer =
+      recording::RecordingWriter::Create(folder.Path(), optics::FormatCamera(scene.GetScene().rig.left),
+                                         optics::FormatCamera(scene.GetScene().rig.right));
   if (!writer) return writer.error();
   if (auto rendered = RenderBoth(scene, *writer); !rendered) return rendered;
   if (auto finished = writer->Finish(); !finished) return finished;
@@ -133,7 +132,8 @@ void AddSimulate(CLI::App& app, int& exit_code) {
   auto order = std::make_shared<SimulateOrder>();
   command->add_option("SCENE", order->scene, "scene file (its keys: drivers/sim/scene.h)")->required();
   command->add_option("--out", order->out, "folder to make")->required();
-  command->add_option("--frames", order->frames, "instead of the scene's")->check(CLI::Range(1L, 10'000'000L));
+  command->add_option("--frames", order->frames, "instead of the scene's")
+      ->check(CLI::Range(1L, 10'000'000L));
   command->add_option("--seed", order->seed, "instead of the scene's");
   command->callback([order, &exit_code] { exit_code = RunSimulate(*order); });
 }

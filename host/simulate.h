@@ -18,8 +18,8 @@ struct SimulateOrder {
 };
 
 /// Renders the scene into `out`: cam0 and cam1 in EuRoC layout, truth.csv, the true rig as rig_true.yaml, and
-/// each target as target_<name>.yaml. One thread a camera. All is written into a folder beside `out` that takes
-/// its name at the end: after a failure there is no `out`. The same order gives the same bytes.
+/// each target as target_<name>.yaml. One thread a camera. All is written into a folder beside `out` that
+/// takes its name at the end: after a failure there is no `out`. The same order gives the same bytes.
 base::Result<void> Simulate(const SimulateOrder& order);
 
 /// Adds `adit simulate SCENE.yaml --out REC [--frames N] [--seed S]`.

@@ -96,6 +96,25 @@ TEST(PairReader, DeclinesImagesOfAnotherSizeAndNamesThem) {
   LONGS_EQUAL(2, pair.error().ExitCode());
 }
 
+TEST(PairReader, HandsOutTwelveBitsAsTheCameraDeliveredThem) {
+  folder_ = (std::filesystem::temp_directory_path() / "adit_pair_reader_test").string();
+  std::filesystem::remove_all(folder_);
+  auto writer = *adit::recording::RecordingWriter::Create(folder_, kSensor, kSensor);
+  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(kWidthPx * kHeightPx));
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint16_t>((i * 97) % 4096);
+  pixels[0] = 4095;
+  const adit::base::ImageView view{reinterpret_cast<const std::uint8_t*>(pixels.data()), kWidthPx, kHeightPx,
+                                   2 * kWidthPx, 12};
+  for (const Side side : {Side::kLeft, Side::kRight}) CHECK_TRUE(!!writer.Write(side, 1'000'000'000, view));
+  CHECK_TRUE(!!writer.Finish());
+
+  const auto pair = Open(folder_)->Next();
+
+  const auto image = (*pair)->Frame(Side::kRight).image;
+  LONGS_EQUAL(12, image.bits);
+  MEMCMP_EQUAL(pixels.data(), image.data, pixels.size() * 2);
+}
+
 TEST(PairReader, DeclinesAMissingImage) {
   folder_ = Recorded(Times(2), Times(2));
   std::filesystem::remove(folder_ + "/cam1/data/" + std::to_string(Times(2)[0]) + ".png");

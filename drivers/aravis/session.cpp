@@ -17,7 +17,7 @@ constexpr guint kFrameRetentionUs = 80'000;
 void OnStreamEvent(void* /*unused*/, ArvStreamCallbackType type, ArvBuffer* buffer) {
   if (type != ARV_STREAM_CALLBACK_TYPE_BUFFER_DONE || buffer == nullptr) return;
   auto* const slot = static_cast<Slot*>(const_cast<void*>(arv_buffer_get_user_data(buffer)));
-  // relaxed: the buffer itself is handed over under Aravis' lock, which orders this too.
+  // relaxed: a lone time stamp.
   slot->done_ns.store(slot->clock->Now(), std::memory_order_relaxed);
 }
 
@@ -153,6 +153,8 @@ base::Result<void> Session::StartStream(const std::vector<std::unique_ptr<Slot>>
 }
 
 void Session::Push(Slot& slot) const {
+  // A callback that came after its frame was taken must not date the next one. relaxed: as in Describe.
+  slot.done_ns.store(base::kNever, std::memory_order_relaxed);
   // The stream takes a reference of its own: ours keeps the buffer over a lost connection.
   arv_stream_push_buffer(stream_.get(), static_cast<ArvBuffer*>(g_object_ref(slot.buffer.get())));
 }

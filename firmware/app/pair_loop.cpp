@@ -76,7 +76,7 @@ void PairLoop::Handle(const Event& event, const PairNeighbours& neighbours) {
     Locate(**event.left, **event.right, neighbours.log != nullptr);
     neighbours.publisher.Signal();
     if (neighbours.log != nullptr) neighbours.log->Signal();
-  } else {
+  } else if (counts_.pairs > 0) {  // before the first pair, one camera waits for the other to start
     counts_.unpaired += 1;
   }
   if (event.left) neighbours.left.GiveBack(*event.left);

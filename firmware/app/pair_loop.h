@@ -18,7 +18,7 @@ namespace adit::app {
 /// Counters of the pairing thread; monotonic.
 struct PairHealth {
   std::uint64_t pairs = 0;         ///< pairs that went through the pipeline
-  std::uint64_t unpaired = 0;      ///< images that found no partner
+  std::uint64_t unpaired = 0;      ///< images that found no partner, from the first pair on
   std::uint64_t target_pairs = 0;  ///< pairs times targets
   std::uint64_t located = 0;       ///< of these, with a position
   std::uint64_t log_dropped = 0;   ///< records the track log was too slow for

@@ -47,33 +47,35 @@ void Publisher::Stop() {
 void Publisher::Run() {
   while (!stop_.load(std::memory_order_relaxed)) {
     wake_.WaitFor(kTickNs);
-    TakeNewest();
+    const bool took = TakeNewest();
     const std::int64_t now_ns = board::MonotonicNs();
     if (bus_ != nullptr) {
       bus_->Poll(now_ns);
       bus_health_.Store(bus_->Health());
     }
-    if (IsDue(now_ns, Faults(now_ns) != told_faults_)) Tell(now_ns);
+    if (IsDue(now_ns, took, Faults(now_ns) != told_faults_)) Tell(now_ns);
   }
 }
 
-void Publisher::TakeNewest() {
+bool Publisher::TakeNewest() {
+  bool took = false;
   while (FixRecord* const record = fixes_.Pop()) {
     if (newest_ != nullptr) fixes_.GiveBack(newest_);
     newest_ = record;
-    newest_is_fresh_ = true;
+    newest_is_fresh_ = took = true;
     last_fix_monotonic_ns_ = board::MonotonicNs();
   }
+  return took;
 }
 
-bool Publisher::IsDue(std::int64_t monotonic_ns, bool faults_changed) const {
+bool Publisher::IsDue(std::int64_t monotonic_ns, bool took, bool faults_changed) const {
   const base::DurationNs since_ns = monotonic_ns - last_told_monotonic_ns_;
-  if (faults_changed) return since_ns >= kShortestCycleNs;
-  // A cycle waits for the pair nearest to its end, so that what is told is fresh, and for none that does not
-  // come.
-  if (newest_is_fresh_) return since_ns >= options_.cycle_ns - options_.period_ns / 2;
+  if (faults_changed && since_ns >= kShortestCycleNs) return true;
+  // A cycle ends with the pair nearest to its end, told the moment it comes, and waits for none that does
+  // not.
+  if (took) return since_ns >= options_.cycle_ns - options_.period_ns / 2;
   const bool pairs_flow = monotonic_ns - last_fix_monotonic_ns_ < 2 * options_.period_ns;
-  return since_ns >= options_.cycle_ns + (pairs_flow ? options_.period_ns / 2 : 0);
+  return since_ns >= options_.cycle_ns + (pairs_flow ? options_.period_ns : 0);
 }
 
 std::uint16_t Publisher::Faults(std::int64_t monotonic_ns) const {

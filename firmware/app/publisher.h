@@ -58,8 +58,8 @@ class Publisher {
 
  private:
   void Run();
-  void TakeNewest();
-  bool IsDue(std::int64_t monotonic_ns, bool faults_changed) const;
+  bool TakeNewest();
+  bool IsDue(std::int64_t monotonic_ns, bool took, bool faults_changed) const;
   void Tell(std::int64_t monotonic_ns);
   void Send(const publish::BoxHealth& health);
   std::uint16_t Faults(std::int64_t monotonic_ns) const;

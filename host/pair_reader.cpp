@@ -106,9 +106,8 @@ void PairReader::ReadAhead() {
   for (; ahead_ < pairs_.size() && loading_.size() < kPairsAhead; ++ahead_) {
     std::array<Loading, 2> both;
     for (const std::size_t side : {0U, 1U}) {
-      both[side] = std::async(std::launch::async, [path = pairs_[ahead_].images[side].path] {
-        return ReadFor12Bit(path);
-      });
+      both[side] = std::async(std::launch::async,
+                              [path = pairs_[ahead_].images[side].path] { return ReadFor12Bit(path); });
     }
     loading_.push_back(std::move(both));
   }

@@ -31,7 +31,7 @@ struct ServeOptions {
 base::Result<std::uint32_t> AddressOf(const std::string& text) {
   in_addr address{};
   if (inet_pton(AF_INET, text.c_str(), &address) == 1) return ntohl(address.s_addr);
-  return base::Error{base::ErrorCode::kUsage, "serve", "'" + text + "' is no IPv4 address"};
+  return base::Error{base::ErrorCode::kUsage, "--left, --right", "'" + text + "' is no IPv4 address"};
 }
 
 /// Both cameras of a scene behind one trigger.

@@ -147,7 +147,7 @@ TEST(RowScan, TheFastestEqualsThePlainOneOnRowsOfEveryLength_Seed5) {
   for (int round = 0; round < 3000; ++round) {
     const int width = static_cast<int>(random() % 400);
     const int threshold = static_cast<int>(random() % 256);
-    const unsigned length = 1 + random() % 90;
+    const std::size_t length = 1 + random() % 90;
     for (std::size_t x = 0; x < row.size(); ++x) {
       row[x] = static_cast<std::uint8_t>((x / length) % 2 == 0 ? threshold : random() % 256);
     }

@@ -1,9 +1,7 @@
 // adit demo: the main job at work on this machine.
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include <CLI/CLI.hpp>
 
 namespace adit::host {
 

@@ -1,9 +1,7 @@
 // adit serve: a scene as two GigE Vision cameras.
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include <CLI/CLI.hpp>
 
 namespace adit::host {
 

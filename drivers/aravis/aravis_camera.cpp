@@ -156,8 +156,8 @@ void AravisCamera::Describe(Slot& slot, base::CameraFrame& frame) {
   std::uint64_t missed = 0;
   frame.stamp.trigger = counter_.Count(arv_buffer_get_frame_id(slot.buffer.get()), missed);
   missed_.fetch_add(missed, std::memory_order_relaxed);
-  // Aravis hands the buffer over before it calls back: if this thread was faster, now is when the frame was done.
-  // relaxed: a lone time stamp; either value is right.
+  // Aravis hands the buffer over before it calls back: if this thread was faster, now is when the frame was
+  // done. relaxed: a lone time stamp; either value is right.
   const base::TimeNs done_ns = slot.done_ns.exchange(base::kNever, std::memory_order_relaxed);
   frame.stamp.last_packet_ns = done_ns == base::kNever ? clock_.Now() : done_ns;
   auto edge_ns = static_cast<base::TimeNs>(arv_buffer_get_timestamp(slot.buffer.get()));

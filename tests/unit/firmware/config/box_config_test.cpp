@@ -1,11 +1,11 @@
 #include "firmware/config/box_config.h"
 
-#include <CppUTest/TestHarness.h>
-
 #include <cstdio>
 #include <fstream>
 #include <string>
 #include <vector>
+
+#include <CppUTest/TestHarness.h>
 
 using adit::config::BoxConfig;
 using adit::config::LoadBoxConfig;

@@ -11,8 +11,8 @@ namespace adit::hal {
 class RequestHandler {
  public:
   virtual ~RequestHandler() = default;
-  /// Writes the answer to `request` (one whole protocol data unit) into `reply` and returns its length; 0
-  /// means silence.
+  /// Writes the answer to `request` (unit id and PDU, whole) into `reply`, in the same shape, and returns its
+  /// length; 0 means silence.
   virtual std::size_t Answer(std::span<const std::uint8_t> request, std::span<std::uint8_t> reply) = 0;
 };
 

@@ -96,7 +96,8 @@ class CameraPair {
   std::vector<std::unique_ptr<sim::GigeCamera>> cameras_;  // after the scene: their threads end before it
 };
 
-/// "left vanish", "right lose 0.01", ...: what a camera is to do wrong. Says what it did not understand.
+/// "left vanish", "right lose 0.01", ...: what a camera is to do wrong. Says when it did, and what it did not
+/// understand.
 void Obey(const std::string& line, CameraPair& pair) {
   std::istringstream in(line);
   std::string side, verb;
@@ -107,6 +108,7 @@ void Obey(const std::string& line, CameraPair& pair) {
     return;
   }
   sim::GigeFaults& faults = pair.Camera(side == "left" ? base::Side::kLeft : base::Side::kRight).Faults();
+  bool understood = true;
   if (verb == "vanish") {
     faults.vanished = true;
   } else if (verb == "return") {
@@ -120,9 +122,11 @@ void Obey(const std::string& line, CameraPair& pair) {
   } else if (verb == "truncate") {
     faults.truncate_frames += 1;
   } else {
+    understood = false;
     std::cerr << "adit serve: '" << verb
               << "' is none of vanish, return, stall, resume, lose SHARE, drop, truncate\n";
   }
+  if (understood) std::cout << "did_ns " << linux::SystemClock().Now() << " " << line << std::endl;
 }
 
 /// Takes a line from stdin if one is there; false once stdin has ended.

@@ -61,6 +61,7 @@ base::Result<std::unique_ptr<RegisterServer>> ServeModbus(const std::string& add
   modbus::ServerOptions options;
   options.bind = address;
   options.port = static_cast<std::uint16_t>(port);
+  options.connections_max = kModbusClientsMax;
   auto server = modbus::ModbusServer::Open(options, handler);
   if (!server) return server.error();
   return std::unique_ptr<RegisterServer>(std::make_unique<TcpRegisterServer>(std::move(*server)));

@@ -54,6 +54,9 @@ struct FieldBusOrder {
 base::Result<std::unique_ptr<hal::FieldBus>> OpenFieldBus(const FieldBusOrder& order,
                                                           const hal::Clock& clock);
 
+/// Connections that a register server holds at once; one more is refused.
+constexpr std::uint16_t kModbusClientsMax = 32;
+
 /// A server that answers a PLC until it is destroyed.
 class RegisterServer {
  public:

@@ -18,6 +18,13 @@
 #include "drivers/modbus/connection.h"
 
 namespace adit::modbus {
+
+/// A socket that listens, and where.
+struct Listener {
+  int socket;
+  std::uint16_t port;
+};
+
 namespace {
 
 // Limits are durations, so they are measured on a clock that nobody sets.
@@ -37,11 +44,6 @@ void SetFlag(int socket, int level, int option) {
   // A socket that refuses these still serves, only slower.
   (void)::setsockopt(socket, level, option, &on, sizeof on);
 }
-
-struct Listener {
-  int socket;
-  std::uint16_t port;
-};
 
 base::Result<Listener> Listen(const ServerOptions& options) {
   sockaddr_in address{};

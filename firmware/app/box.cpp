@@ -112,6 +112,7 @@ Box::Box(const config::BoxConfig& config, const optics::Rig& rig, pipeline::Pipe
   p.simulation = config.simulation;
   p.ptp_expected = config.cameras.ptp && config.cameras.driver == "aravis";
   p.node = static_cast<std::uint8_t>(config.publish.can.node);
+  if (config.publish.modbus.enabled) p.modbus_clients_max = board::kModbusClientsMax;
   map_ = std::make_unique<publish::RegisterMap>(
       publish::MakeIdentity(config.serial, ADIT_VERSION, config.crc32), p.rules);
 }
@@ -146,8 +147,8 @@ base::Result<void> Box::Start() {
     if (auto start = camera->Start(); !start) return start.error();
   }
   if (config_.realtime.lock_memory) board::LockMemory();
-  publisher_ = std::make_unique<Publisher>(publisher_options_, pair_loop_->ToPublisher(), *left_, *right_,
-                                           *map_, bus_.get());
+  const PublisherSources sources{pair_loop_->ToPublisher(), *left_, *right_};
+  publisher_ = std::make_unique<Publisher>(publisher_options_, sources, *map_, bus_.get());
   const auto thread = [this](std::size_t place) {
     const auto& cpus = config_.realtime.cpus;
     return ThreadOptions{static_cast<int>(config_.realtime.priority),

@@ -6,7 +6,7 @@ namespace adit::app {
 namespace {
 
 // Between two looks at the cameras: well below what INVALID may take (100 ms).
-constexpr base::DurationNs kTickNs = 10 * base::kNsPerMs;
+constexpr base::DurationNs kWakeTickNs = 10 * base::kNsPerMs;
 // A camera is silent after 3.5 periods: three triggers without a frame, and half a period for the transfer.
 // At 60 Hz that is 58 ms, which with a tick leaves 30 ms to the 100 ms within which machines must know.
 constexpr double kSilentPeriods = 3.5;
@@ -18,9 +18,14 @@ constexpr base::DurationNs kShortestCycleNs = 20 * base::kNsPerMs;
 
 }  // namespace
 
-Publisher::Publisher(const PublisherOptions& options, PublishConveyor& fixes, const CameraLane& left,
-                     const CameraLane& right, publish::RegisterMap& map, hal::FieldBus* bus)
-    : options_(options), fixes_(fixes), left_(left), right_(right), map_(map), bus_(bus) {
+Publisher::Publisher(const PublisherOptions& options, const PublisherSources& sources,
+                     publish::RegisterMap& map, hal::FieldBus* bus)
+    : options_(options),
+      fixes_(sources.fixes),
+      left_(sources.left),
+      right_(sources.right),
+      map_(map),
+      bus_(bus) {
   for (std::size_t i = 0; i < options_.targets.size(); ++i) {
     encoders_.emplace_back(static_cast<std::uint8_t>(options_.node + 2 * i), map.Identity());
   }
@@ -46,7 +51,7 @@ void Publisher::Stop() {
 
 void Publisher::Run() {
   while (!stop_.load(std::memory_order_relaxed)) {
-    wake_.WaitFor(kTickNs);
+    wake_.WaitFor(kWakeTickNs);
     const bool took = TakeNewest();
     const std::int64_t now_ns = board::MonotonicNs();
     if (bus_ != nullptr) {
@@ -144,6 +149,7 @@ publish::BoxHealth Publisher::CountForMachines(std::int64_t monotonic_ns) const 
     health.can_bus_off = static_cast<std::uint32_t>(bus.bus_off);
     health.can_dropped_epochs = static_cast<std::uint32_t>(bus.dropped_epochs);
   }
+  health.modbus_clients_max = options_.modbus_clients_max;
   // relaxed: a lone figure.
   health.modbus_clients = static_cast<std::uint16_t>(modbus_clients_.load(std::memory_order_relaxed));
   return health;
@@ -161,8 +167,7 @@ void Publisher::Tell(std::int64_t monotonic_ns) {
   }
   const publish::BoxHealth counts = CountForMachines(monotonic_ns);
   if (bus_ != nullptr) Send(counts);
-  static const georef::GeoFixSet no_fixes;
-  map_.Update(epochs_.front(), box, counts, newest_ != nullptr ? newest_->fixes : no_fixes, now_ns);
+  map_.Update(epochs_.front(), box, counts, newest_ != nullptr ? newest_->fixes : no_fixes_, now_ns);
   newest_is_fresh_ = false;
 
   PublishHealth health = health_.Load();

@@ -26,6 +26,7 @@ struct PublisherOptions {
   bool simulation = false;
   bool ptp_expected = false;
   std::uint8_t node = 0x20;
+  std::uint16_t modbus_clients_max = 0;  ///< for the diagnostics registers
 };
 
 /// Counters of the publisher; monotonic but for the last line.
@@ -36,11 +37,18 @@ struct PublishHealth {
   publish::BoxState state = publish::BoxState::kInit;
 };
 
+/// What the publisher reads. All of it outlives the publisher.
+struct PublisherSources {
+  PublishConveyor& fixes;
+  const CameraLane& left;
+  const CameraLane& right;
+};
+
 /// One thread. `bus` may be null (Modbus only). All that is given outlives it.
 class Publisher {
  public:
-  Publisher(const PublisherOptions& options, PublishConveyor& fixes, const CameraLane& left,
-            const CameraLane& right, publish::RegisterMap& map, hal::FieldBus* bus);
+  Publisher(const PublisherOptions& options, const PublisherSources& sources, publish::RegisterMap& map,
+            hal::FieldBus* bus);
   ~Publisher();
 
   void Start(const ThreadOptions& options);
@@ -82,6 +90,7 @@ class Publisher {
   std::vector<publish::Epoch> epochs_;  ///< of the present cycle, one a target
   publish::CanEncoder::Frames encoded_;
   base::FixedVector<base::CanFrame, publish::CanEncoder::kMaxFrames * identify::kMaxTargets> frames_;
+  const georef::GeoFixSet no_fixes_;  ///< told until the first pair
   FixRecord* newest_ = nullptr;
   bool newest_is_fresh_ = false;
   std::int64_t start_monotonic_ns_ = 0;

@@ -86,8 +86,8 @@ struct Line {
     options.targets = {0};
     options.period_ns = static_cast<adit::base::DurationNs>(1e9 / kRateHz);
     options.node = kNode;
-    publisher = std::make_unique<adit::app::Publisher>(options, pairs.ToPublisher(), left_lane, right_lane,
-                                                       map, &bus);
+    const adit::app::PublisherSources sources{pairs.ToPublisher(), left_lane, right_lane};
+    publisher = std::make_unique<adit::app::Publisher>(options, sources, map, &bus);
     publisher->Start({});
     pairs.Start({}, {left_lane, right_lane, publisher->Wake(), nullptr});
     left_lane.Start({});

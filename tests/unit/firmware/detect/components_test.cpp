@@ -149,7 +149,8 @@ TEST(RowScan, TheFastestEqualsThePlainOneOnRowsOfEveryLength_Seed5) {
     const int threshold = static_cast<int>(random() % 256);
     const std::size_t length = 1 + random() % 90;
     for (std::size_t x = 0; x < row.size(); ++x) {
-      row[x] = static_cast<std::uint8_t>((x / length) % 2 == 0 ? static_cast<unsigned>(threshold) : random() % 256);
+      row[x] = static_cast<std::uint8_t>((x / length) % 2 == 0 ? static_cast<unsigned>(threshold)
+                                                               : random() % 256);
     }
     const std::size_t count =
         adit::detect::ScanRowPlain(row.data(), width, threshold, plain.data(), plain.size());

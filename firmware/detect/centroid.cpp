@@ -9,10 +9,10 @@ namespace {
 
 constexpr double kRoundingVarianceDn2 = 1.0 / 12;  // of an analogue-digital converter's last bit
 constexpr double kPixelVariancePx2 = 1.0 / 12;     // a pixel is a square, not a point
-// What the weight I - T leaves of phase bias (rms over the phases of a spot of sigma 1.2 to 2.5 px): 0.002 px
-// at a peak of 200 DN over a threshold of 15, 0.007 px at 50 (simulated); it grows as the threshold takes
-// more of the peak.
-constexpr double kPhaseBiasPx = 0.027;  // times threshold / peak
+// What the weight I - T leaves of phase bias and of pixels that noise lifts over the threshold or not (rms over
+// the phases): fitted to the errors of simulated spots of sigma 1.2 to 2.2 px and peaks of 50 to 200 DN, beyond
+// those of the pixels' noise. It grows as the threshold takes more of the peak, and as spots get narrower.
+constexpr double kCutOffPx3 = 0.11;  // times threshold / peak / sigma^2
 
 }  // namespace
 
@@ -24,6 +24,7 @@ double PixelNoise::VarianceDn2(double value_dn) const {
 void SpotMoments::Take(const base::ImageView& image, const Run& run) {
   const std::uint8_t* const row = image.Row(run.y_px);
   const double y = run.y_px - origin_px_.y();
+  area_px_ += run.end_px - run.begin_px;
   for (int i = run.begin_px; i < run.end_px; ++i) {
     std::uint16_t value = row[i];
     if (image.BytesPerPixel() == 2) std::memcpy(&value, row + 2 * i, sizeof(value));
@@ -49,8 +50,11 @@ Eigen::Matrix2d SpotMoments::CovariancePx2() const {
   covariance(1, 1) = vyy_ - 2 * cy * vy_ + cy * cy * v_;
   covariance(0, 1) = covariance(1, 0) = vxy_ - cx * vy_ - cy * vx_ + cx * cy * v_;
   covariance /= weight_ * weight_;
+  // A Gaussian of height h, cut off at t, covers 2 pi sigma^2 ln(h / t).
   const double height_dn = std::max(1.0, peak_dn_ - noise_.background_dn);
-  const double bias_px = kPhaseBiasPx * (threshold_dn_ - noise_.background_dn) / height_dn;
+  const double cut = std::clamp((threshold_dn_ - noise_.background_dn) / height_dn, 0.01, 0.9);
+  const double sigma_px2 = area_px_ / (-2 * M_PI * std::log(cut));
+  const double bias_px = kCutOffPx3 * cut / std::max(sigma_px2, 1.0);
   return covariance + bias_px * bias_px * Eigen::Matrix2d::Identity();
 }
 

@@ -30,8 +30,7 @@ class SpotMoments {
   void Take(const base::ImageView& image, const Run& run);
 
   Eigen::Vector2d CentroidPx() const;
-  /// Of the centroid: the pixels' noise through the weights, and the phase bias that a cut-off at the
-  /// threshold leaves.
+  /// Of the centroid: the pixels' noise through the weights, and what the cut-off at the threshold leaves.
   Eigen::Matrix2d CovariancePx2() const;
   /// Square roots of the eigenvalues of the second moments, larger first.
   Eigen::Vector2d SigmasPx() const;
@@ -46,7 +45,7 @@ class SpotMoments {
   double weight_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0;
   // Variance-weighted sums, for the covariance.
   double v_ = 0, vx_ = 0, vy_ = 0, vxx_ = 0, vxy_ = 0, vyy_ = 0;
-  double peak_dn_ = 0, flux_dn_ = 0;
+  double peak_dn_ = 0, flux_dn_ = 0, area_px_ = 0;
 };
 
 }  // namespace adit::detect

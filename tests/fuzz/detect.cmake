@@ -1,0 +1,1 @@
+adit_fuzz(detect ROUNDS 150 DEPENDS adit_detect)

@@ -1,7 +1,6 @@
 #include "host/pair_reader.h"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "firmware/capture/pairer.h"
@@ -16,23 +15,6 @@ constexpr std::size_t kPairsAhead = 3;  // two cores decode while one pair is wo
 
 std::string SizeText(int width_px, int height_px) {
   return std::to_string(width_px) + " x " + std::to_string(height_px) + " px";
-}
-
-/// Reads an image. Recordings keep what cameras of 10 or 12 bit deliver in the upper bits of 16; the
-/// detection works with 12, which is all that such a camera said.
-base::Result<recording::StoredImage> ReadFor12Bit(const std::string& path) {
-  constexpr int kBits = 12;
-  auto image = recording::ReadImage(path);
-  if (!image || image->bits <= kBits) return image;
-  const int down = image->bits - kBits;
-  for (std::size_t i = 0; i + 1 < image->pixels.size(); i += sizeof(std::uint16_t)) {
-    std::uint16_t value = 0;
-    std::memcpy(&value, image->pixels.data() + i, sizeof value);
-    value = static_cast<std::uint16_t>(value >> down);
-    std::memcpy(image->pixels.data() + i, &value, sizeof value);
-  }
-  image->bits = kBits;
-  return image;
 }
 
 /// Between triggers: the median, which lost frames do not move.
@@ -106,8 +88,9 @@ void PairReader::ReadAhead() {
   for (; ahead_ < pairs_.size() && loading_.size() < kPairsAhead; ++ahead_) {
     std::array<Loading, 2> both;
     for (const std::size_t side : {0U, 1U}) {
-      both[side] = std::async(std::launch::async,
-                              [path = pairs_[ahead_].images[side].path] { return ReadFor12Bit(path); });
+      both[side] = std::async(std::launch::async, [path = pairs_[ahead_].images[side].path] {
+        return recording::ReadCameraImage(path);
+      });
     }
     loading_.push_back(std::move(both));
   }

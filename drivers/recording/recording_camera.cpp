@@ -45,7 +45,7 @@ base::Result<void> RecordingCamera::Start() {
   if (options_.side == base::Side::kRight) std::swap(recording->left, recording->right);
   triggers_ = CountTriggers(recording->left, recording->right);
   entries_ = std::move(recording->left);
-  const auto first = ReadImage(entries_.front().path);
+  const auto first = ReadCameraImage(entries_.front().path);
   if (!first) return first.error();
   if (options_.width_px == 0) options_.width_px = first->width_px, options_.height_px = first->height_px;
   if (first->width_px != options_.width_px || first->height_px != options_.height_px) {
@@ -74,7 +74,7 @@ RecordingCamera::Buffer* RecordingCamera::TakeFree() {
 
 void RecordingCamera::Fill(Buffer& buffer, base::CameraFrame& frame) {
   const ImageEntry& entry = entries_[next_];
-  auto image = ReadImage(entry.path);
+  auto image = ReadCameraImage(entry.path);
   frame.stamp.status = base::FrameStatus::kOk;
   if (!image) {
     frame.stamp.status = base::FrameStatus::kIncomplete;

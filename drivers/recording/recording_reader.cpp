@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/core.hpp>
@@ -121,6 +122,21 @@ base::Result<StoredImage> ReadImage(const std::string& path) {
   image.height_px = pixels.rows;
   image.bits = pixels.type() == CV_8UC1 ? 8 : 16;
   image.pixels.assign(pixels.datastart, pixels.dataend);  // imdecode allocates without gaps between rows
+  return image;
+}
+
+base::Result<StoredImage> ReadCameraImage(const std::string& path) {
+  constexpr int kBits = 12;
+  auto image = ReadImage(path);
+  if (!image || image->bits <= kBits) return image;
+  const int down = image->bits - kBits;
+  for (std::size_t i = 0; i + 1 < image->pixels.size(); i += sizeof(std::uint16_t)) {
+    std::uint16_t value = 0;
+    std::memcpy(&value, image->pixels.data() + i, sizeof value);
+    value = static_cast<std::uint16_t>(value >> down);
+    std::memcpy(image->pixels.data() + i, &value, sizeof value);
+  }
+  image->bits = kBits;
   return image;
 }
 

@@ -150,6 +150,27 @@ TEST(RecordingCamera, DeliversWhatCannotBeReadAsIncompleteAndGoesOn) {
   LONGS_EQUAL(1, camera.Health().incomplete);
 }
 
+TEST(RecordingCamera, DeliversTwelveBitsAsTheDetectionTakesThem) {
+  Replayed rig;
+  rig.options.folder = rig.scratch / "twelve";
+  auto writer = RecordingWriter::Create(rig.options.folder, "", "");
+  std::vector<std::uint16_t> pixels(kWidthPx * kHeightPx);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint16_t>(4095 - 100 * i);
+  const adit::base::ImageView view{reinterpret_cast<const std::uint8_t*>(pixels.data()), kWidthPx, kHeightPx,
+                                   2 * kWidthPx, 12};
+  for (const Side side : {Side::kLeft, Side::kRight})
+    CHECK_TRUE(static_cast<bool>(writer->Write(side, kFirstNs, view)));
+  CHECK_TRUE(static_cast<bool>(writer->Finish()));
+  RecordingCamera camera(rig.options, rig.clock);
+  CHECK_TRUE(static_cast<bool>(camera.Start()));
+  CameraFrame frame;
+  CHECK_TRUE(camera.Wait(kLongNs, frame) == WaitOutcome::kFrame);
+  CHECK_TRUE(frame.stamp.status == FrameStatus::kOk);
+  LONGS_EQUAL(12, frame.image.bits);
+  MEMCMP_EQUAL(pixels.data(), frame.image.data, pixels.size() * sizeof(std::uint16_t));
+  camera.Release(frame);
+}
+
 TEST(RecordingCamera, RefusesARecordingOfAnotherSize) {
   Replayed rig;
   rig.options.width_px = 1400, rig.options.height_px = 1024;

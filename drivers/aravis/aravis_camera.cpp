@@ -46,6 +46,9 @@ AravisCamera::~AravisCamera() { Stop(); }
 std::string AravisCamera::Name() const { return "camera " + settings_.device; }
 
 base::Result<void> AravisCamera::Start() {
+  stop_.store(false, std::memory_order_relaxed);  // relaxed: no reopener runs yet
+  counter_.Restart();
+  clock_map_.Restart();
   auto session = Session::Open(settings_, slots_);
   if (!session) return session.error();
   session_ = std::move(*session);
@@ -58,6 +61,7 @@ void AravisCamera::Stop() {
   stop_.store(true, std::memory_order_relaxed);  // relaxed: the reopener looks at it every kStopLookNs
   if (reopener_.joinable()) reopener_.join();
   link_.store(Link::kClosed, std::memory_order_relaxed);
+  KeepCounts();
   session_.reset();
 }
 
@@ -82,6 +86,7 @@ hal::WaitOutcome AravisCamera::Wait(base::DurationNs timeout_ns, base::CameraFra
   if (link == Link::kClosed) return hal::WaitOutcome::kGone;
   if (link != Link::kOpen) return WaitForReopening(timeout_ns);
   if (session_->Lost()) {
+    KeepCounts();
     link_.store(Link::kReopening, std::memory_order_relaxed);  // relaxed: the thread's start publishes it
     reopener_ = std::thread([this] { Reopen(); });
     return hal::WaitOutcome::kGone;
@@ -92,14 +97,26 @@ hal::WaitOutcome AravisCamera::Wait(base::DurationNs timeout_ns, base::CameraFra
   if (buffer == nullptr) return hal::WaitOutcome::kTimeout;
   auto* const slot = static_cast<Slot*>(const_cast<void*>(arv_buffer_get_user_data(buffer)));
   g_object_unref(buffer);  // the stream's reference; ours stays
+  if (arv_buffer_get_frame_id(buffer) == 0) {
+    // Its leader never came: neither date nor id. The gap before the next frame counts it.
+    session_->Push(*slot);
+    return hal::WaitOutcome::kTimeout;
+  }
   slot->with_stages = true;
   Describe(*slot, frame);
   // relaxed: counters stand for themselves.
   delivered_.fetch_add(1, std::memory_order_relaxed);
   if (frame.stamp.status != base::FrameStatus::kOk) incomplete_.fetch_add(1, std::memory_order_relaxed);
-  resent_.store(session_->Resent(), std::memory_order_relaxed);
-  starved_.store(session_->Underruns(), std::memory_order_relaxed);
+  resent_.store(resent_before_ + session_->Resent(), std::memory_order_relaxed);
+  starved_.store(starved_before_ + session_->Underruns(), std::memory_order_relaxed);
   return hal::WaitOutcome::kFrame;
+}
+
+/// A session counts from zero: what this one has counted is the next one's beginning.
+void AravisCamera::KeepCounts() {
+  if (!session_) return;
+  resent_before_ += session_->Resent();
+  starved_before_ += session_->Underruns();
 }
 
 hal::WaitOutcome AravisCamera::WaitForReopening(base::DurationNs timeout_ns) {
@@ -157,9 +174,11 @@ void AravisCamera::Describe(Slot& slot, base::CameraFrame& frame) {
   frame.stamp.trigger = counter_.Count(arv_buffer_get_frame_id(slot.buffer.get()), missed);
   missed_.fetch_add(missed, std::memory_order_relaxed);
   // Aravis hands the buffer over before it calls back: if this thread was faster, now is when the frame was
-  // done. relaxed: a lone time stamp; either value is right.
+  // done. That call may come when the buffer is pushed again; what then stands there is older than the next
+  // leader. relaxed: a lone time stamp; either value is right.
   const base::TimeNs done_ns = slot.done_ns.exchange(base::kNever, std::memory_order_relaxed);
-  frame.stamp.last_packet_ns = done_ns == base::kNever ? clock_.Now() : done_ns;
+  const auto leader_ns = static_cast<base::TimeNs>(arv_buffer_get_system_timestamp(slot.buffer.get()));
+  frame.stamp.last_packet_ns = done_ns < leader_ns ? clock_.Now() : done_ns;
   auto edge_ns = static_cast<base::TimeNs>(arv_buffer_get_timestamp(slot.buffer.get()));
   if (!clock_locked_.load(std::memory_order_relaxed))
     edge_ns = clock_map_.ToBox(edge_ns, frame.stamp.last_packet_ns);

@@ -40,7 +40,7 @@ struct Slot;
 /// done.
 class AravisCamera final : public hal::Camera {
  public:
-  /// `clock` outlives the camera.
+  /// `clock` outlives the camera and is CLOCK_REALTIME, which Aravis dates leaders by.
   AravisCamera(const AravisSettings& settings, const hal::Clock& clock);
   ~AravisCamera() override;
 
@@ -55,6 +55,7 @@ class AravisCamera final : public hal::Camera {
   enum class Link : std::uint8_t { kClosed, kOpen, kReopening, kReopened };
 
   void PushReleased();
+  void KeepCounts();
   void Reopen();
   hal::WaitOutcome WaitForReopening(base::DurationNs timeout_ns);
   void Describe(Slot& slot, base::CameraFrame& frame);
@@ -69,6 +70,7 @@ class AravisCamera final : public hal::Camera {
   std::atomic<bool> stop_{false};
   FrameCounter counter_;
   ClockMap clock_map_;
+  std::uint64_t resent_before_ = 0, starved_before_ = 0;  ///< of the sessions before this one
   std::atomic<std::uint64_t> delivered_{0}, incomplete_{0}, missed_{0}, resent_{0}, reconnects_{0},
       starved_{0};
   std::atomic<bool> clock_locked_{false};

@@ -155,6 +155,8 @@ base::Result<void> Session::StartStream(const std::vector<std::unique_ptr<Slot>>
 void Session::Push(Slot& slot) const {
   // A callback that came after its frame was taken must not date the next one. relaxed: as in Describe.
   slot.done_ns.store(base::kNever, std::memory_order_relaxed);
+  // Aravis writes the id when the leader comes: 0, never used, says that it did not.
+  arv_buffer_set_frame_id(slot.buffer.get(), 0);
   // The stream takes a reference of its own: ours keeps the buffer over a lost connection.
   arv_stream_push_buffer(stream_.get(), static_cast<ArvBuffer*>(g_object_ref(slot.buffer.get())));
 }

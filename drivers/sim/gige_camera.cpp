@@ -91,20 +91,25 @@ void GigeCamera::Answer(int socket) {
   const ssize_t got =
       recvfrom(socket, packet.data(), packet.size(), 0, reinterpret_cast<sockaddr*>(&peer), &peer_bytes);
   if (got <= 0 || faults_.vanished.load()) return;
-  const auto command = ParseGvcp({packet.data(), static_cast<std::size_t>(got)});
-  if (!command) return;
-  const std::vector<std::uint8_t> reply = Reply(*command, peer);
+  const std::vector<std::uint8_t> reply = Reply({packet.data(), static_cast<std::size_t>(got)}, peer);
   // Whatever socket heard it, the answer comes from the camera's own address.
-  if (!reply.empty() && command->wants_acknowledge) {
+  if (!reply.empty()) {
     sendto(control_sockets_[0].Get(), reply.data(), reply.size(), 0, reinterpret_cast<const sockaddr*>(&peer),
            peer_bytes);
   }
 }
 
-std::vector<std::uint8_t> GigeCamera::Reply(const GvcpCommand& command, const sockaddr_in& peer) {
+std::vector<std::uint8_t> GigeCamera::Reply(std::span<const std::uint8_t> packet, const sockaddr_in& peer) {
+  const auto command = ParseGvcp(packet);
+  if (!command) return {};
   const std::lock_guard lock(mutex_);
   if (SamePeer(peer, controller_)) last_heard_ns_ = linux::MonotonicNs();
-  const auto fail = [&](GvcpStatus status) { return FormatAcknowledge(command, status, {}); };
+  std::vector<std::uint8_t> reply = Obey(*command, peer);
+  if (!command->wants_acknowledge) reply.clear();
+  return reply;
+}
+
+std::vector<std::uint8_t> GigeCamera::Obey(const GvcpCommand& command, const sockaddr_in& peer) {
   switch (command.code) {
     case GvcpCode::kDiscovery:
       return FormatAcknowledge(command, GvcpStatus::kSuccess, *registers_.Read(0, 0xF8));
@@ -112,42 +117,64 @@ std::vector<std::uint8_t> GigeCamera::Reply(const GvcpCommand& command, const so
       if (const auto request = ParseResend(command.payload)) Resend(*request);
       return {};
     }
-    case GvcpCode::kReadRegister: {
-      std::vector<std::uint8_t> values;
-      for (std::size_t at = 0; at + 4 <= command.payload.size(); at += 4) {
-        const auto word = registers_.Read(ReadU32(command.payload, at), 4);
-        if (!word) return fail(GvcpStatus::kInvalidAddress);
-        values.insert(values.end(), word->begin(), word->end());
-      }
-      return FormatAcknowledge(command, GvcpStatus::kSuccess, values);
-    }
-    case GvcpCode::kReadMemory: {
-      if (command.payload.size() < 8) return fail(GvcpStatus::kInvalidParameter);
-      const auto bytes = registers_.Read(ReadU32(command.payload, 0), ReadU32(command.payload, 4) & 0xFFFF);
-      if (!bytes) return fail(GvcpStatus::kInvalidAddress);
-      std::vector<std::uint8_t> answer(command.payload.begin(), command.payload.begin() + 4);
-      answer.insert(answer.end(), bytes->begin(), bytes->end());
-      return FormatAcknowledge(command, GvcpStatus::kSuccess, answer);
-    }
+    case GvcpCode::kReadRegister:
+      return ReadRegisters(command);
+    case GvcpCode::kReadMemory:
+      return ReadMemory(command);
     case GvcpCode::kWriteRegister:
       return WriteRegisters(command, peer);
-    case GvcpCode::kWriteMemory: {
-      if (command.payload.size() < 4) return fail(GvcpStatus::kInvalidParameter);
-      const GvcpStatus status = Write(ReadU32(command.payload, 0), command.payload.subspan(4), peer);
-      return FormatAcknowledge(command, status, std::array<std::uint8_t, 4>{});
-    }
+    case GvcpCode::kWriteMemory:
+      return WriteMemory(command, peer);
   }
-  return fail(GvcpStatus::kNotImplemented);
+  return FormatAcknowledge(command, GvcpStatus::kNotImplemented, {});
+}
+
+std::vector<std::uint8_t> GigeCamera::ReadRegisters(const GvcpCommand& command) const {
+  const auto fail = [&](GvcpStatus status) { return FormatAcknowledge(command, status, {}); };
+  if (command.payload.empty() || command.payload.size() % 4 != 0) return fail(GvcpStatus::kInvalidParameter);
+  std::vector<std::uint8_t> values;
+  for (std::size_t at = 0; at < command.payload.size(); at += 4) {
+    const std::uint32_t address = ReadU32(command.payload, at);
+    const auto word = registers_.Read(address, 4);
+    if (!word) return fail(GvcpStatus::kInvalidAddress);
+    if (address % 4 != 0) return fail(GvcpStatus::kBadAlignment);
+    values.insert(values.end(), word->begin(), word->end());
+  }
+  return FormatAcknowledge(command, GvcpStatus::kSuccess, values);
+}
+
+std::vector<std::uint8_t> GigeCamera::ReadMemory(const GvcpCommand& command) const {
+  const auto fail = [&](GvcpStatus status) { return FormatAcknowledge(command, status, {}); };
+  if (command.payload.size() != 8) return fail(GvcpStatus::kInvalidParameter);
+  const std::uint32_t address = ReadU32(command.payload, 0), count = ReadU32(command.payload, 4) & 0xFFFF;
+  if (count == 0 || count > kGvcpMaxPayloadBytes - 4) return fail(GvcpStatus::kInvalidParameter);
+  if (address % 4 != 0 || count % 4 != 0) return fail(GvcpStatus::kBadAlignment);
+  const auto bytes = registers_.Read(address, count);
+  if (!bytes) return fail(GvcpStatus::kInvalidAddress);
+  std::vector<std::uint8_t> answer(command.payload.begin(), command.payload.begin() + 4);
+  answer.insert(answer.end(), bytes->begin(), bytes->end());
+  return FormatAcknowledge(command, GvcpStatus::kSuccess, answer);
 }
 
 std::vector<std::uint8_t> GigeCamera::WriteRegisters(const GvcpCommand& command, const sockaddr_in& peer) {
   std::array<std::uint8_t, 4> written{};
-  for (std::size_t at = 0; at + 8 <= command.payload.size(); at += 8) {
+  if (command.payload.empty() || command.payload.size() % 8 != 0)
+    return FormatAcknowledge(command, GvcpStatus::kInvalidParameter, written);
+  for (std::size_t at = 0; at < command.payload.size(); at += 8) {
     const GvcpStatus status = Write(ReadU32(command.payload, at), command.payload.subspan(at + 4, 4), peer);
     if (status != GvcpStatus::kSuccess) return FormatAcknowledge(command, status, written);
-    written[3] = static_cast<std::uint8_t>(written[3] + 1);
+    ++written[3];
   }
   return FormatAcknowledge(command, GvcpStatus::kSuccess, written);
+}
+
+std::vector<std::uint8_t> GigeCamera::WriteMemory(const GvcpCommand& command, const sockaddr_in& peer) {
+  std::array<std::uint8_t, 4> written{};
+  if (command.payload.size() <= 4) return FormatAcknowledge(command, GvcpStatus::kInvalidParameter, written);
+  const auto bytes = command.payload.subspan(4);
+  const GvcpStatus status = Write(ReadU32(command.payload, 0), bytes, peer);
+  if (status == GvcpStatus::kSuccess) WriteU32(written, 0, static_cast<std::uint32_t>(bytes.size()));
+  return FormatAcknowledge(command, status, written);
 }
 
 GvcpStatus GigeCamera::Write(std::uint32_t address, std::span<const std::uint8_t> bytes,
@@ -200,6 +227,7 @@ void GigeCamera::PowerOn() {
   controller_ = {};
   acquiring_.store(false);
   next_id_ = options_.first_frame_id;
+  for (KeptFrame& frame : frames_) frame.trigger = kNoTrigger;  // the ids begin anew
 }
 
 GigeCamera::Target GigeCamera::StreamTarget() {

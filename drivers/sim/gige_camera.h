@@ -62,6 +62,8 @@ class GigeCamera {
   base::Result<void> Start();
   void Stop();
   GigeFaults& Faults() { return faults_; }
+  /// What the camera answers to one control packet of `peer`; empty if nothing. Needs no Start.
+  std::vector<std::uint8_t> Reply(std::span<const std::uint8_t> packet, const sockaddr_in& peer);
 
   std::uint64_t FramesSent() const { return frames_sent_.load(); }
   std::uint64_t FramesLate() const {
@@ -71,10 +73,11 @@ class GigeCamera {
 
  private:
   static constexpr std::size_t kFramesKept = 8;  // for resends: 133 ms at 60 Hz
+  static constexpr std::uint64_t kNoTrigger = UINT64_MAX;
   struct KeptFrame {
     std::vector<std::uint8_t> pixels;
     GvspFrame leader;
-    std::uint64_t trigger = UINT64_MAX;
+    std::uint64_t trigger = kNoTrigger;  ///< kNoTrigger: not for resends
   };
   struct Target {
     sockaddr_in address{};
@@ -84,8 +87,11 @@ class GigeCamera {
   base::Result<int> Bind(std::uint32_t address, std::uint16_t port) const;
   void Control();
   void Answer(int socket);
-  std::vector<std::uint8_t> Reply(const GvcpCommand& command, const sockaddr_in& peer);
+  std::vector<std::uint8_t> Obey(const GvcpCommand& command, const sockaddr_in& peer);
+  std::vector<std::uint8_t> ReadRegisters(const GvcpCommand& command) const;
+  std::vector<std::uint8_t> ReadMemory(const GvcpCommand& command) const;
   std::vector<std::uint8_t> WriteRegisters(const GvcpCommand& command, const sockaddr_in& peer);
+  std::vector<std::uint8_t> WriteMemory(const GvcpCommand& command, const sockaddr_in& peer);
   GvcpStatus Write(std::uint32_t address, std::span<const std::uint8_t> bytes, const sockaddr_in& peer);
   void Resend(const ResendRequest& request);
   void PowerOn();
@@ -94,8 +100,9 @@ class GigeCamera {
 
   void Stream();
   Target StreamTarget();
+  Target Stamp(KeptFrame& frame, std::uint64_t trigger, bool whole);
   void SendFrame(const KeptFrame& frame, const Target& target, bool truncated);
-  void SendPackets(const KeptFrame& frame, const Target& target, std::uint32_t first, std::uint32_t last);
+  void SendPackets(const KeptFrame& frame, const Target& target, const ResendRequest& range, bool lossy);
   bool Loses();
 
   GigeOptions options_;
@@ -112,7 +119,7 @@ class GigeCamera {
   sockaddr_in controller_{};
   std::int64_t last_heard_ns_ = 0;
   std::uint16_t next_id_ = 1;
-  std::uint64_t random_ = 0x9E3779B97F4A7C15ULL;
+  std::uint64_t random_ = 0x9E3779B97F4A7C15ULL;  ///< the stream thread's
   std::atomic<std::uint64_t> frames_sent_{0}, frames_late_{0}, packets_resent_{0};
 };
 

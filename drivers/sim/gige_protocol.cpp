@@ -32,6 +32,7 @@ void WriteU32(std::span<std::uint8_t> bytes, std::size_t at, std::uint32_t value
 
 std::optional<GvcpCommand> ParseGvcp(std::span<const std::uint8_t> packet) {
   if (packet.size() < kGvcpHeaderBytes || packet[0] != kCommandKey) return std::nullopt;
+  if (packet.size() > kGvcpHeaderBytes + kGvcpMaxPayloadBytes) return std::nullopt;
   if (ReadU16(packet, 4) != packet.size() - kGvcpHeaderBytes) return std::nullopt;
   GvcpCommand command;
   command.wants_acknowledge = (packet[1] & kFlagAcknowledge) != 0;

@@ -27,8 +27,13 @@ enum class GvcpStatus : std::uint16_t {
   kInvalidParameter = 0x8002,
   kInvalidAddress = 0x8003,
   kWriteProtect = 0x8004,
+  kBadAlignment = 0x8005,
   kAccessDenied = 0x8006,
 };
+
+/// The most that a control packet may carry behind its header: 576 bytes less the headers of IP, UDP and
+/// GVCP.
+inline constexpr std::size_t kGvcpMaxPayloadBytes = 540;
 
 struct GvcpCommand {
   GvcpCode code{};
@@ -38,7 +43,7 @@ struct GvcpCommand {
   std::span<const std::uint8_t> payload;  ///< of the packet it was parsed from
 };
 
-/// Declines packets that are too short, have no command key, or another length than they say.
+/// Declines packets that are too short or too long, have no command key, or another length than they say.
 std::optional<GvcpCommand> ParseGvcp(std::span<const std::uint8_t> packet);
 
 /// An acknowledge of `command` with that payload.
@@ -63,6 +68,11 @@ inline constexpr std::size_t kGvspTrailerBytes = kGvspHeaderBytes + 8;
 inline constexpr std::size_t kIpUdpBytes = 28;
 
 enum class GvspContent : std::uint8_t { kLeader = 1, kTrailer = 2, kPayload = 3 };
+
+/// Frame ids are of 16 bits and never 0.
+constexpr std::uint16_t NextFrameId(std::uint16_t id) {
+  return id == 0xFFFF ? 1 : static_cast<std::uint16_t>(id + 1);
+}
 
 struct GvspFrame {
   std::uint16_t id = 0;

@@ -15,10 +15,11 @@ constexpr std::uint32_t kHeartbeatMs = 3000;  // the standard's default
 struct WriteRange {
   std::uint32_t first, last;
 };
-constexpr std::array<WriteRange, 4> kWritable{{{0x0938, 0x093B},      // heartbeat timeout
-                                               {0x0A00, 0x0A03},      // control channel privilege
-                                               {0x0B00, 0x0D3F},      // message and stream channels
-                                               {0x10000, 0x10FFF}}};  // the camera's own
+constexpr std::array<WriteRange, 5> kWritable{{{0x0938, 0x093B},              // heartbeat timeout
+                                               {0x0A00, 0x0A03},              // control channel privilege
+                                               {0x0B00, 0x0D3F},              // message and stream channels
+                                               {0x10000, kRegPtpStatus - 1},  // the camera's own
+                                               {kRegPayload + 4, 0x10FFF}}};
 
 }  // namespace
 
@@ -68,11 +69,14 @@ std::optional<std::uint32_t> GigeRegisters::ReadWord(std::uint32_t address) cons
 GvcpStatus GigeRegisters::Write(std::uint32_t address, std::span<const std::uint8_t> bytes) {
   if (address >= memory_.size() || bytes.size() > memory_.size() - address)
     return GvcpStatus::kInvalidAddress;
+  if (address % 4 != 0 || bytes.size() % 4 != 0) return GvcpStatus::kBadAlignment;
   const bool permitted = std::any_of(kWritable.begin(), kWritable.end(), [&](const WriteRange& range) {
     return address >= range.first && address + bytes.size() <= range.last + 1;
   });
   if (!permitted) return GvcpStatus::kWriteProtect;
   std::copy(bytes.begin(), bytes.end(), memory_.begin() + address);
+  const std::uint32_t pixel_bytes = *ReadWord(kRegPixelFormat) == kMono8 ? 1 : 2;
+  Set(kRegPayload, *ReadWord(kRegWidth) * *ReadWord(kRegHeight) * pixel_bytes);
   return GvcpStatus::kSuccess;
 }
 

@@ -43,6 +43,7 @@ class GigeRegisters {
   /// Declines addresses outside of it.
   std::optional<std::span<const std::uint8_t>> Read(std::uint32_t address, std::size_t bytes) const;
   std::optional<std::uint32_t> ReadWord(std::uint32_t address) const;
+  /// Whole words on word boundaries.
   GvcpStatus Write(std::uint32_t address, std::span<const std::uint8_t> bytes);
   /// The camera's own writes.
   void Set(std::uint32_t address, std::uint32_t value);

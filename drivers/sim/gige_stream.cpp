@@ -11,9 +11,7 @@
 namespace adit::sim {
 namespace {
 
-constexpr std::size_t kBatch = 32;        // packets handed to the kernel at once
-constexpr std::uint64_t kLastId = 65535;  // then comes 1; 0 is never used
-constexpr std::size_t kEndPackets = 2;    // leader and trailer
+constexpr std::size_t kBatch = 32;  // packets handed to the kernel at once
 
 void SleepUntil(base::TimeNs time_ns) {
   const timespec until{time_ns / base::kNsPerS, time_ns % base::kNsPerS};
@@ -22,6 +20,18 @@ void SleepUntil(base::TimeNs time_ns) {
 
 std::uint32_t PayloadPackets(std::size_t frame_bytes, std::size_t payload_bytes) {
   return static_cast<std::uint32_t>((frame_bytes + payload_bytes - 1) / payload_bytes);
+}
+
+/// The trailer's packet id.
+std::uint32_t LastPacket(std::size_t frame_bytes, std::size_t payload_bytes) {
+  return PayloadPackets(frame_bytes, payload_bytes) + 1;
+}
+
+/// Uses up one of the faults that are still to happen.
+bool TakeOne(std::atomic<std::uint32_t>& faults) {
+  if (faults.load() == 0) return false;
+  --faults;
+  return true;
 }
 
 /// Packets on their way to the kernel.
@@ -79,38 +89,35 @@ void GigeCamera::Stream() {
     KeptFrame& frame = frames_[trigger % kFramesKept];
     {
       const std::lock_guard lock(mutex_);
-      frame.trigger = UINT64_MAX;  // no resend from a frame that is being drawn
+      frame.trigger = kNoTrigger;  // no resend from a frame that is being drawn
     }
     source_(trigger, frame.pixels.data());
     SleepUntil(ready_ns);
-    Target target;
-    {
-      const std::lock_guard lock(mutex_);
-      const bool ptp = *registers_.ReadWord(kRegPtpStatus) == 9;
-      frame.leader = {
-          next_id_, static_cast<std::uint64_t>(clock.EdgeNs(trigger) + (ptp ? 0 : options_.clock_offset_ns)),
-          *registers_.ReadWord(kRegPixelFormat), *registers_.ReadWord(kRegWidth),
-          *registers_.ReadWord(kRegHeight)};
-      frame.trigger = trigger;
-      next_id_ = static_cast<std::uint16_t>(next_id_ == kLastId ? 1 : next_id_ + 1);
-      target = StreamTarget();
-    }
+    const bool dropped = TakeOne(faults_.drop_frames),
+               truncated = !dropped && TakeOne(faults_.truncate_frames);
+    const Target target = Stamp(frame, trigger, !dropped && !truncated);
     ++trigger;
-    if (faults_.drop_frames.load() > 0) {
-      --faults_.drop_frames;
-      frame.trigger = UINT64_MAX;
-      continue;
-    }
-    const bool truncated = faults_.truncate_frames.load() > 0;
-    if (truncated) --faults_.truncate_frames;
+    if (dropped) continue;
     SendFrame(frame, target, truncated);
     ++frames_sent_;
   }
 }
 
+/// Fills in the leader. A frame that is not `whole` is never sent again.
+GigeCamera::Target GigeCamera::Stamp(KeptFrame& frame, std::uint64_t trigger, bool whole) {
+  const std::lock_guard lock(mutex_);
+  const base::DurationNs offset_ns = *registers_.ReadWord(kRegPtpStatus) == 9 ? 0 : options_.clock_offset_ns;
+  frame.leader = {next_id_, static_cast<std::uint64_t>(options_.trigger.EdgeNs(trigger) + offset_ns),
+                  *registers_.ReadWord(kRegPixelFormat), *registers_.ReadWord(kRegWidth),
+                  *registers_.ReadWord(kRegHeight)};
+  frame.trigger = whole ? trigger : kNoTrigger;
+  next_id_ = NextFrameId(next_id_);
+  return StreamTarget();
+}
+
 void GigeCamera::SendFrame(const KeptFrame& frame, const Target& target, bool truncated) {
   const std::uint32_t packets = PayloadPackets(frame.pixels.size(), target.payload_bytes);
-  SendPackets(frame, target, 0, truncated ? packets / 2 : packets + 1);
+  SendPackets(frame, target, {frame.leader.id, 0, truncated ? packets / 2 : packets + 1}, true);
 }
 
 bool GigeCamera::Loses() {
@@ -123,13 +130,13 @@ bool GigeCamera::Loses() {
   return static_cast<double>(random_ >> 11) * 0x1p-53 < share;
 }
 
-void GigeCamera::SendPackets(const KeptFrame& frame, const Target& target, std::uint32_t first,
-                             std::uint32_t last) {
+void GigeCamera::SendPackets(const KeptFrame& frame, const Target& target, const ResendRequest& range,
+                             bool lossy) {
   const std::uint32_t payload_packets = PayloadPackets(frame.pixels.size(), target.payload_bytes);
-  last = std::min<std::uint32_t>(last, payload_packets + kEndPackets - 1);
+  const std::uint32_t last = std::min(range.last, LastPacket(frame.pixels.size(), target.payload_bytes));
   PacketBatch batch(stream_socket_.Get(), target.address);
-  for (std::uint32_t packet = first; packet <= last; ++packet) {
-    if (Loses()) continue;
+  for (std::uint32_t packet = range.first; packet <= last; ++packet) {
+    if (lossy && Loses()) continue;
     if (packet == 0) {
       batch.Add(FormatLeader(frame.leader), {});
     } else if (packet <= payload_packets) {
@@ -147,9 +154,11 @@ void GigeCamera::SendPackets(const KeptFrame& frame, const Target& target, std::
 /// matches.
 void GigeCamera::Resend(const ResendRequest& request) {
   for (const KeptFrame& frame : frames_) {
-    if (frame.trigger == UINT64_MAX || frame.leader.id != request.frame_id) continue;
-    SendPackets(frame, StreamTarget(), request.first, request.last);
-    packets_resent_ += request.last - request.first + 1;
+    if (frame.trigger == kNoTrigger || frame.leader.id != request.frame_id) continue;
+    const Target target = StreamTarget();
+    SendPackets(frame, target, request, false);
+    const std::uint32_t last = std::min(request.last, LastPacket(frame.pixels.size(), target.payload_bytes));
+    if (last >= request.first) packets_resent_ += last - request.first + 1;
     return;
   }
 }

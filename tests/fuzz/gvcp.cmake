@@ -1,0 +1,1 @@
+adit_fuzz(gvcp ROUNDS 5000 DEPENDS adit_sim)

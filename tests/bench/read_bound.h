@@ -1,0 +1,12 @@
+// The least that looking at an image can cost: reading it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace adit::bench {
+
+/// The brightest pixel, by the widest instructions of this machine.
+std::uint8_t ReadAll(const std::vector<std::uint8_t>& pixels);
+
+}  // namespace adit::bench

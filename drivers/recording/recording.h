@@ -42,8 +42,8 @@ struct StoredImage {
 /// Reads one grey PNG of 8 or 16 bit; declines with the file's name.
 base::Result<StoredImage> ReadImage(const std::string& path);
 
-/// The same as the camera delivered it: of 16 bit PNGs the upper 12, which is all that a camera of 10 or 12 bit
-/// said, and what the detection works with.
+/// The same as the camera delivered it: of 16 bit PNGs the upper 12, which is all that a camera of 10 or 12
+/// bit said, and what the detection works with.
 base::Result<StoredImage> ReadCameraImage(const std::string& path);
 
 /// Writes a recording frame by frame. Images of 9 to 15 bit are stored in 16 bit PNGs with their most

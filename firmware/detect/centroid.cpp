@@ -9,9 +9,10 @@ namespace {
 
 constexpr double kRoundingVarianceDn2 = 1.0 / 12;  // of an analogue-digital converter's last bit
 constexpr double kPixelVariancePx2 = 1.0 / 12;     // a pixel is a square, not a point
-// What the weight I - T leaves of phase bias and of pixels that noise lifts over the threshold or not (rms over
-// the phases): fitted to the errors of simulated spots of sigma 1.2 to 2.2 px and peaks of 50 to 200 DN, beyond
-// those of the pixels' noise. It grows as the threshold takes more of the peak, and as spots get narrower.
+// What the weight I - T leaves of phase bias and of pixels that noise lifts over the threshold or not (rms
+// over the phases): fitted to the errors of simulated spots of sigma 1.2 to 2.2 px and peaks of 50 to 200 DN,
+// beyond those of the pixels' noise. It grows as the threshold takes more of the peak, and as spots get
+// narrower.
 constexpr double kCutOffPx3 = 0.11;  // times threshold / peak / sigma^2
 
 }  // namespace

@@ -127,16 +127,17 @@ void Detector::Detect(const base::CameraFrame& frame, BlobSet& out) {
     return;
   }
   if (image.data == nullptr || image.width_px != state_->camera.width_px ||
-      image.height_px != state_->camera.height_px) {
+      image.height_px != state_->camera.height_px ||
+      image.stride_bytes < std::ptrdiff_t{image.width_px} * image.BytesPerPixel()) {
     out.stamp.status = base::FrameStatus::kWrongSize;
     return;
   }
   const double scale = 1 << (image.bits - 8);  // DN of this image per DN at 8 bit
   const Background background = EstimateBackground(image);
-  const int full_scale_dn = (1 << image.bits) - 1;
   const double contrast_dn = std::max(kSigmas * background.noise_dn, kLeastContrastDn * scale);
-  const int threshold =
-      std::min(full_scale_dn, static_cast<int>(std::ceil(background.level_dn + contrast_dn)));
+  // Limited by the bytes, not by the bits: pixels beyond their depth must not put it below the background.
+  const int limit_dn = image.BytesPerPixel() == 1 ? 0xFF : 0xFFFF;
+  const int threshold = std::min(limit_dn, static_cast<int>(std::ceil(background.level_dn + contrast_dn)));
   out.background_dn = static_cast<float>(background.level_dn);
   out.noise_dn = static_cast<float>(background.noise_dn);
   out.threshold_dn = static_cast<float>(threshold);

@@ -1,1 +1,1 @@
-adit_fuzz(detect ROUNDS 150 DEPENDS adit_detect)
+adit_fuzz(detect ROUNDS 5000 DEPENDS adit_detect)

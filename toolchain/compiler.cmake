@@ -19,7 +19,10 @@ if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
   target_compile_options(adit_options INTERFACE -march=x86-64-v2)
 endif()
 if(ADIT_SANITIZE STREQUAL "address")
-  target_compile_options(adit_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  # Without those of UBSan that ASan sees too (null, object-size) or that our types cannot break (vptr): a quarter of the
+  # time of compiling.
+  target_compile_options(adit_options INTERFACE -fsanitize=address,undefined -fno-sanitize=null,object-size,vptr
+    -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(adit_options INTERFACE -fsanitize=address,undefined)
 elseif(ADIT_SANITIZE STREQUAL "thread")
   target_compile_options(adit_options INTERFACE -fsanitize=thread -fno-omit-frame-pointer -Wno-tsan)

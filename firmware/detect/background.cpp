@@ -7,8 +7,9 @@
 namespace adit::detect {
 namespace {
 
-constexpr int kRowStep = 32,
-              kColumnStep = 8;           // 5600 samples of 1400 x 1024: the median is good to 0.02 sigma
+// 2800 samples of 1400 x 1024: the median is good to 0.024 sigma. Few rows, because each lies in another page
+// of memory: 32 of them took four times as long.
+constexpr int kRows = 8, kColumnStep = 4;
 constexpr int kLevels = 4096;            // 12 bit; what is brighter counts as brightest
 constexpr double kLowQuantile = 0.1587;  // of a normal distribution, one sigma below the mean
 
@@ -29,9 +30,9 @@ double Quantile(const std::array<std::uint32_t, kLevels>& histogram, std::uint32
 Background EstimateBackground(const base::ImageView& image) {
   std::array<std::uint32_t, kLevels> histogram{};
   std::uint32_t count = 0;
-  for (int y = kRowStep / 2; y < std::max(image.height_px, kRowStep / 2 + 1); y += kRowStep) {
-    const std::uint8_t* const row = image.Row(std::min(y, image.height_px - 1));
-    for (int x = 0; x < image.width_px; x += kColumnStep) {
+  for (int r = 0; r < kRows; ++r) {
+    const std::uint8_t* const row = image.Row((2 * r + 1) * image.height_px / (2 * kRows));
+    for (int x = r % kColumnStep % image.width_px; x < image.width_px; x += kColumnStep) {
       std::uint16_t value = row[x];
       if (image.BytesPerPixel() == 2) std::memcpy(&value, row + 2 * x, sizeof(value));
       ++histogram[std::min<std::size_t>(value, kLevels - 1)];

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <cstddef>
+
+#include "firmware/detect/stretch_sums.h"
 
 namespace adit::detect {
 namespace {
@@ -15,55 +17,91 @@ constexpr double kPixelVariancePx2 = 1.0 / 12;     // a pixel is a square, not a
 // narrower.
 constexpr double kCutOffPx3 = 0.11;  // times threshold / peak / sigma^2
 
+/// The sums, to divide.
+struct Moments {
+  double g, x, y, xx, xy, yy;
+
+  explicit Moments(const MomentSums& s)
+      : g(static_cast<double>(s.g)),
+        x(static_cast<double>(s.x)),
+        y(static_cast<double>(s.y)),
+        xx(static_cast<double>(s.xx)),
+        xy(static_cast<double>(s.xy)),
+        yy(static_cast<double>(s.yy)) {}
+};
+
+/// Sums over pixels of one row.
+struct RowSums {
+  std::int64_t g = 0, x = 0, xx = 0;
+};
+
+/// Adds pixels of the row y whose sums over x are given.
+void AddRow(MomentSums& sums, const RowSums& row, std::int64_t y) {
+  sums.g += row.g, sums.x += row.x, sums.xx += row.xx;
+  sums.y += row.g * y, sums.xy += row.x * y, sums.yy += row.g * y * y;
+}
+
 }  // namespace
 
 double PixelNoise::VarianceDn2(double value_dn) const {
-  return read_dn * read_dn + std::max(0.0, value_dn - background_dn) / electrons_per_dn +
-         kRoundingVarianceDn2;
+  return read_dn * read_dn + (value_dn - background_dn) / electrons_per_dn + kRoundingVarianceDn2;
 }
 
 void SpotMoments::Take(const base::ImageView& image, const Run& run) {
   const std::uint8_t* const row = image.Row(run.y_px);
-  const double y = run.y_px - origin_px_.y();
-  area_px_ += run.end_px - run.begin_px;
-  for (int i = run.begin_px; i < run.end_px; ++i) {
-    std::uint16_t value = row[i];
-    if (image.BytesPerPixel() == 2) std::memcpy(&value, row + 2 * i, sizeof(value));
-    const double x = i - origin_px_.x();
-    const double w = value - threshold_dn_;
-    const double v = noise_.VarianceDn2(value);
-    weight_ += w, x_ += w * x, y_ += w * y;
-    xx_ += w * x * x, xy_ += w * x * y, yy_ += w * y * y;
-    v_ += v, vx_ += v * x, vy_ += v * y;
-    vxx_ += v * x * x, vxy_ += v * x * y, vyy_ += v * y * y;
-    flux_dn_ += value - noise_.background_dn;
-    peak_dn_ = std::max<double>(peak_dn_, value);
+  const bool wide = image.BytesPerPixel() == 2;
+  RowSums light;
+  std::uint32_t most = 0;
+  for (int begin = run.begin_px; begin < run.end_px; begin += kStretchPx) {
+    const int count = std::min(kStretchPx, run.end_px - begin);
+    const StretchSums s = wide ? SumStretchPlain16(row + std::ptrdiff_t{2} * begin, count, threshold_dn_)
+                          : begin + kStretchPx <= image.width_px
+                              ? SumStretchWide8(row + begin, count, threshold_dn_)
+                              : SumStretchPlain8(row + begin, count, threshold_dn_);
+    const std::int64_t x = begin - origin_px_.x(), g = s.g, k = s.k, kk = s.kk;
+    light.g += g, light.x += k + x * g, light.xx += kk + 2 * x * k + x * x * g;
+    most = std::max(most, s.most);
   }
+  const std::int64_t y = run.y_px - origin_px_.y();
+  AddRow(light_, light, y);
+  // 1, x and x^2 over n pixels from x on.
+  const std::int64_t n = run.end_px - run.begin_px, x = run.begin_px - origin_px_.x();
+  AddRow(ones_, {n, n * x + n * (n - 1) / 2, n * x * x + n * (n - 1) * x + n * (n - 1) * (2 * n - 1) / 6}, y);
+  peak_dn_ = std::max(peak_dn_, most);
 }
 
-Eigen::Vector2d SpotMoments::CentroidPx() const { return origin_px_ + Eigen::Vector2d(x_, y_) / weight_; }
+Eigen::Vector2d SpotMoments::CentroidPx() const {
+  const Moments light(light_);
+  return origin_px_.cast<double>() + Eigen::Vector2d(light.x, light.y) / light.g;
+}
 
 Eigen::Matrix2d SpotMoments::CovariancePx2() const {
-  // c = sum w x / sum w, so dc/dI_i = (x_i - c) / sum w.
-  const double cx = x_ / weight_, cy = y_ / weight_;
+  // c = sum g x / sum g, so dc/dI_i = (x_i - c) / sum g. The variance of a pixel is linear in its brightness,
+  // so that its sums are those at hand.
+  const Moments light(light_), ones(ones_);
+  const double cx = light.x / light.g, cy = light.y / light.g;
+  const double dimmest_dn2 = noise_.VarianceDn2(threshold_dn_), slope_dn = 1 / noise_.electrons_per_dn;
+  const auto sum = [&](double Moments::*of) { return dimmest_dn2 * ones.*of + slope_dn * light.*of; };
+  const double v = sum(&Moments::g), vx = sum(&Moments::x), vy = sum(&Moments::y);
   Eigen::Matrix2d covariance;
-  covariance(0, 0) = vxx_ - 2 * cx * vx_ + cx * cx * v_;
-  covariance(1, 1) = vyy_ - 2 * cy * vy_ + cy * cy * v_;
-  covariance(0, 1) = covariance(1, 0) = vxy_ - cx * vy_ - cy * vx_ + cx * cy * v_;
-  covariance /= weight_ * weight_;
+  covariance(0, 0) = sum(&Moments::xx) - 2 * cx * vx + cx * cx * v;
+  covariance(1, 1) = sum(&Moments::yy) - 2 * cy * vy + cy * cy * v;
+  covariance(0, 1) = covariance(1, 0) = sum(&Moments::xy) - cx * vy - cy * vx + cx * cy * v;
+  covariance /= light.g * light.g;
   // A Gaussian of height h, cut off at t, covers 2 pi sigma^2 ln(h / t).
-  const double height_dn = std::max(1.0, peak_dn_ - noise_.background_dn);
+  const double height_dn = std::max(1.0, PeakDn() - noise_.background_dn);
   const double cut = std::clamp((threshold_dn_ - noise_.background_dn) / height_dn, 0.01, 0.9);
-  const double sigma_px2 = area_px_ / (-2 * M_PI * std::log(cut));
+  const double sigma_px2 = ones.g / (-2 * M_PI * std::log(cut));
   const double bias_px = kCutOffPx3 * cut / std::max(sigma_px2, 1.0);
   return covariance + bias_px * bias_px * Eigen::Matrix2d::Identity();
 }
 
 Eigen::Vector2d SpotMoments::SigmasPx() const {
-  const double cx = x_ / weight_, cy = y_ / weight_;
-  const double a = xx_ / weight_ - cx * cx + kPixelVariancePx2;
-  const double b = xy_ / weight_ - cx * cy;
-  const double d = yy_ / weight_ - cy * cy + kPixelVariancePx2;
+  const Moments light(light_);
+  const double cx = light.x / light.g, cy = light.y / light.g;
+  const double a = light.xx / light.g - cx * cx + kPixelVariancePx2;
+  const double b = light.xy / light.g - cx * cy;
+  const double d = light.yy / light.g - cy * cy + kPixelVariancePx2;
   const double middle = (a + d) / 2, half = std::hypot((a - d) / 2, b);
   return {std::sqrt(middle + half), std::sqrt(std::max(middle - half, 0.0))};
 }

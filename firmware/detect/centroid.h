@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "firmware/base/image.h"
-#include "firmware/detect/row_scan.h"
+#include "firmware/detect/components.h"
 
 namespace adit::detect {
 
@@ -15,16 +15,24 @@ struct PixelNoise {
   double electrons_per_dn = 0;
   double background_dn = 0;
 
-  /// Variance of a pixel of that brightness: read noise, shot noise, rounding.
+  /// Variance of a pixel of that brightness, not darker than the background: read noise, shot noise,
+  /// rounding.
   double VarianceDn2(double value_dn) const;
+};
+
+/// Sums over pixels: of a weight g, and of g times their places. Whole numbers: a thousand pixels of 16 bits
+/// a thousand pixels from the origin come to 7e13.
+struct MomentSums {
+  std::int64_t g = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
 };
 
 /// Moments of a component weighted with the brightness above the threshold. Take every run of the component
 /// once, in any order; then ask.
 class SpotMoments {
  public:
-  /// Sums are taken about `origin_px`, near the spot, so that they stay small.
-  SpotMoments(const Eigen::Vector2d& origin_px, double threshold_dn, const PixelNoise& noise)
+  /// `threshold_dn` is not below the background. Sums are taken about `origin_px`, near the spot, so that
+  /// they stay small.
+  SpotMoments(const Eigen::Vector2i& origin_px, int threshold_dn, const PixelNoise& noise)
       : origin_px_(origin_px), threshold_dn_(threshold_dn), noise_(noise) {}
 
   void Take(const base::ImageView& image, const Run& run);
@@ -34,18 +42,20 @@ class SpotMoments {
   Eigen::Matrix2d CovariancePx2() const;
   /// Square roots of the eigenvalues of the second moments, larger first.
   Eigen::Vector2d SigmasPx() const;
-  double PeakDn() const { return peak_dn_; }
+  double PeakDn() const { return static_cast<double>(peak_dn_); }
   /// Sum of the brightness above the background.
-  double FluxDn() const { return flux_dn_; }
+  double FluxDn() const {
+    return static_cast<double>(light_.g) +
+           static_cast<double>(ones_.g) * (threshold_dn_ - noise_.background_dn);
+  }
 
  private:
-  Eigen::Vector2d origin_px_;
-  double threshold_dn_;
+  Eigen::Vector2i origin_px_;
+  int threshold_dn_;
   PixelNoise noise_;
-  double weight_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0;
-  // Variance-weighted sums, for the covariance.
-  double v_ = 0, vx_ = 0, vy_ = 0, vxx_ = 0, vxy_ = 0, vyy_ = 0;
-  double peak_dn_ = 0, flux_dn_ = 0, area_px_ = 0;
+  MomentSums light_;  ///< weighted with the brightness above the threshold, DN
+  MomentSums ones_;   ///< weighted with 1
+  std::uint32_t peak_dn_ = 0;
 };
 
 }  // namespace adit::detect

@@ -2,88 +2,124 @@
 
 #include <algorithm>
 
+#include "firmware/base/require.h"
+
 namespace adit::detect {
+namespace {
+
+/// Ends every row's runs: it is right of all of them, so that no search for a neighbour runs past it.
+constexpr Run kSentinel{UINT16_MAX, UINT16_MAX, 0, 0, 0};
+
+}  // namespace
 
 Components::Components()
-    : scan8_(FastestRowScan()),
+    : scan8_(FastestRowScan(1)),
+      scan16_(FastestRowScan(2)),
+      bright_(RowWords(kMaxWidthPx)),
+      edges_(RowEdgesRoom(kMaxWidthPx)),
       runs_(kMaxRuns),
-      parent_(kMaxRuns),
-      component_of_(kMaxRuns),
-      components_(kMaxRuns) {}
+      components_(kMaxRuns),
+      parent_(kMaxRuns) {}
 
 bool Components::Segment(const base::ImageView& image, int threshold) {
-  run_count_ = component_count_ = 0;
-  if (!ScanRows(image, threshold)) {
-    run_count_ = 0;
+  ADIT_REQUIRE(image.width_px <= kMaxWidthPx && image.height_px <= UINT16_MAX);
+  component_count_ = 0;
+  if (!ReadRows(image, threshold)) {
+    component_count_ = 0;
     return false;
   }
-  Collect();
+  DropJoined();
   return true;
 }
 
-bool Components::ScanRows(const base::ImageView& image, int threshold) {
-  const RowScan scan = image.BytesPerPixel() == 1 ? scan8_ : ScanRowPlain16;
-  RowSpan above;
+bool Components::ReadRows(const base::ImageView& image, int threshold) {
+  const RowScan scan = image.BytesPerPixel() == 1 ? scan8_ : scan16_;
+  const std::span<const std::uint64_t> bright(bright_.data(), RowWords(image.width_px));
+  runs_[0] = kSentinel;  // what is above a row that follows a dark one; and no run has the number 0
+  run_count_ = 1;
+  std::uint32_t above = 0;
   for (int y = 0; y < image.height_px; ++y) {
-    const std::size_t room = kMaxRuns - run_count_;
-    const std::size_t found = scan(image.Row(y), image.width_px, threshold, &runs_[run_count_], room);
-    if (found > room || run_count_ + found == kMaxRuns) return false;
-    const RowSpan here{run_count_, run_count_ + found};
-    for (std::size_t i = here.begin; i < here.end; ++i) {
-      runs_[i].y_px = static_cast<std::uint16_t>(y);
-      parent_[i] = static_cast<std::uint32_t>(i);
+    if (!scan(image.Row(y), image.width_px, threshold, bright_.data())) {
+      above = 0;
+      continue;
     }
-    run_count_ = here.end;
-    if (above.begin != above.end && here.begin != here.end) Link(above, here);
+    const std::size_t edges = RowEdges(bright, edges_.data());
+    if (run_count_ + edges / 2 + 1 > kMaxRuns) return false;
+    const std::uint32_t here = run_count_;
+    Link(above, {edges_.data(), edges}, y);
+    runs_[run_count_++] = kSentinel;
     above = here;
   }
   return true;
 }
 
-void Components::Link(RowSpan above, RowSpan here) {
-  std::size_t a = above.begin, h = here.begin;
-  while (a < above.end && h < here.end) {
+void Components::Link(std::uint32_t above, std::span<const std::uint16_t> edges, int y) {
+  for (std::size_t i = 0; i < edges.size(); i += 2) {
+    const std::uint16_t begin_px = edges[i], end_px = edges[i + 1];
+    const std::uint32_t run = run_count_++;
+    runs_[run] = {begin_px, end_px, static_cast<std::uint16_t>(y), 0, 0};
     // Diagonal neighbours count: ends are exclusive, so equality touches.
-    if (runs_[a].begin_px <= runs_[h].end_px && runs_[h].begin_px <= runs_[a].end_px) {
-      const std::uint32_t first = Root(static_cast<std::uint32_t>(a)),
-                          second = Root(static_cast<std::uint32_t>(h));
-      parent_[std::max(first, second)] = std::min(first, second);
-    }
-    // The one that ends first can touch nothing further.
-    if (runs_[a].end_px < runs_[h].end_px) {
-      ++a;
-    } else {
-      ++h;
-    }
-  }
-}
-
-std::uint32_t Components::Root(std::uint32_t run) {
-  while (parent_[run] != run) {
-    parent_[run] = parent_[parent_[run]];  // halves the path for the next time
-    run = parent_[run];
-  }
-  return run;
-}
-
-void Components::Collect() {
-  for (std::size_t i = 0; i < run_count_; ++i) {
-    const Run& run = runs_[i];
-    const std::uint32_t root = Root(static_cast<std::uint32_t>(i));
-    const auto last_x_px = static_cast<std::uint16_t>(run.end_px - 1);
-    const std::uint32_t length = static_cast<std::uint32_t>(run.end_px) - run.begin_px;
-    if (root == i) {  // roots come before the rest of their component
-      component_of_[i] = static_cast<std::uint32_t>(component_count_);
-      components_[component_count_++] = {length, run.begin_px, run.y_px, last_x_px, run.y_px};
+    while (runs_[above].end_px < begin_px) ++above;
+    if (runs_[above].begin_px > end_px) {
+      runs_[run].component = Open(run);
       continue;
     }
-    component_of_[i] = component_of_[root];
-    Component& component = components_[component_of_[i]];
-    component.area_px += length;
-    component.x_min_px = std::min(component.x_min_px, run.begin_px);
-    component.x_max_px = std::max(component.x_max_px, last_x_px);
-    component.y_max_px = run.y_px;
+    std::uint32_t component = Root(runs_[above].component);
+    // The last of those that touch may touch the next run too: it stays.
+    while (runs_[above + 1].begin_px <= end_px) component = Join(component, Root(runs_[++above].component));
+    Append(component, run);
   }
+}
+
+std::uint32_t Components::Open(std::uint32_t run) {
+  const Run& r = runs_[run];
+  const std::uint32_t component = component_count_++;
+  const auto last_x_px = static_cast<std::uint16_t>(r.end_px - 1);
+  const auto length_px = static_cast<std::uint32_t>(r.end_px - r.begin_px);
+  components_[component] = {length_px, r.begin_px, r.y_px, last_x_px, r.y_px, run, run};
+  parent_[component] = component;
+  return component;
+}
+
+void Components::Append(std::uint32_t component, std::uint32_t run) {
+  Run& r = runs_[run];
+  Component& c = components_[component];
+  r.component = component;
+  runs_[c.last_run].next = run;
+  c.last_run = run;
+  c.area_px += static_cast<std::uint32_t>(r.end_px - r.begin_px);
+  c.x_min_px = std::min(c.x_min_px, r.begin_px);
+  c.x_max_px = std::max(c.x_max_px, static_cast<std::uint16_t>(r.end_px - 1));
+  c.y_max_px = r.y_px;
+}
+
+std::uint32_t Components::Join(std::uint32_t a, std::uint32_t b) {
+  if (a == b) return a;
+  const std::uint32_t root = std::min(a, b), gone = std::max(a, b);
+  parent_[gone] = root;
+  Component &kept = components_[root], &joined = components_[gone];
+  kept.area_px += joined.area_px;
+  kept.x_min_px = std::min(kept.x_min_px, joined.x_min_px);
+  kept.x_max_px = std::max(kept.x_max_px, joined.x_max_px);
+  kept.y_max_px = std::max(kept.y_max_px, joined.y_max_px);
+  runs_[kept.last_run].next = joined.first_run;
+  kept.last_run = joined.last_run;
+  joined.area_px = 0;
+  return root;
+}
+
+std::uint32_t Components::Root(std::uint32_t component) {
+  while (parent_[component] != component) {
+    parent_[component] = parent_[parent_[component]];  // halves the path for the next time
+    component = parent_[component];
+  }
+  return component;
+}
+
+void Components::DropJoined() {
+  const auto first = components_.begin(), end = first + component_count_;
+  const auto kept = std::remove_if(first, end, [](const Component& c) { return c.area_px == 0; });
+  component_count_ = static_cast<std::uint32_t>(kept - first);
 }
 
 }  // namespace adit::detect

@@ -1,8 +1,7 @@
-// Runs -> connected components (8 neighbours), by union-find while the rows come.
+// Bright runs -> connected components (8 neighbours), by union-find while the rows come.
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -11,10 +10,19 @@
 
 namespace adit::detect {
 
+/// Bright pixels [begin_px, end_px) of row y_px with dark ones, or the border, on either side.
+struct Run {
+  std::uint16_t begin_px = 0, end_px = 0, y_px = 0;
+  std::uint32_t component =
+      0;                   ///< the one it was given to when its row was read; others may have joined since
+  std::uint32_t next = 0;  ///< another run of the same component, or 0
+};
+
 /// What is known of a component without looking at its pixels again.
 struct Component {
   std::uint32_t area_px = 0;
   std::uint16_t x_min_px = 0, y_min_px = 0, x_max_px = 0, y_max_px = 0;  ///< bounding box, inclusive
+  std::uint32_t first_run = 0, last_run = 0;                             ///< ends of its list of runs
 };
 
 /// The segmentation of one image. All storage is made by the constructor.
@@ -22,6 +30,7 @@ class Components {
  public:
   /// More runs than this in one image are not kept: such an image has no dark background.
   static constexpr std::size_t kMaxRuns = 1 << 17;
+  static constexpr int kMaxWidthPx = 1 << 14;  ///< far more than any camera of this use has
 
   Components();
 
@@ -29,27 +38,31 @@ class Components {
   /// too many runs: then there are no components at all, rather than wrong ones.
   bool Segment(const base::ImageView& image, int threshold);
 
-  /// All components, in the order of their first runs.
+  /// All components, in the order of their first pixels in the image.
   std::span<const Component> All() const { return {components_.data(), component_count_}; }
-  /// All runs, in scan order, and the component (index into All) of each.
-  std::span<const Run> Runs() const { return {runs_.data(), run_count_}; }
-  std::uint32_t ComponentOf(std::size_t run) const { return component_of_[run]; }
+
+  /// Calls visit(run) with every run of a component, in no particular order.
+  template <typename Visit>
+  void ForEachRun(const Component& component, const Visit& visit) const {
+    for (std::uint32_t i = component.first_run; i != 0; i = runs_[i].next) visit(runs_[i]);
+  }
 
  private:
-  struct RowSpan {
-    std::size_t begin = 0, end = 0;  ///< indices into runs_
-  };
-  bool ScanRows(const base::ImageView& image, int threshold);
-  void Link(RowSpan above, RowSpan here);
-  std::uint32_t Root(std::uint32_t run);
-  void Collect();
+  bool ReadRows(const base::ImageView& image, int threshold);
+  void Link(std::uint32_t above, std::span<const std::uint16_t> edges, int y);
+  std::uint32_t Open(std::uint32_t run);
+  void Append(std::uint32_t component, std::uint32_t run);
+  std::uint32_t Join(std::uint32_t a, std::uint32_t b);
+  std::uint32_t Root(std::uint32_t component);
+  void DropJoined();
 
-  RowScan scan8_;
-  std::vector<Run> runs_;
-  std::vector<std::uint32_t> parent_;        ///< of each run; the earliest run of a component is its root
-  std::vector<std::uint32_t> component_of_;  ///< of each run
+  RowScan scan8_, scan16_;
+  std::vector<std::uint64_t> bright_;  ///< of the row at hand
+  std::vector<std::uint16_t> edges_;   ///< of the row at hand
+  std::vector<Run> runs_;              ///< row by row, a sentinel after each
   std::vector<Component> components_;
-  std::size_t run_count_ = 0, component_count_ = 0;
+  std::vector<std::uint32_t> parent_;  ///< of each component; the earliest of those that meet is their root
+  std::uint32_t run_count_ = 0, component_count_ = 0;
 };
 
 }  // namespace adit::detect

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <optional>
 
+#include "firmware/base/require.h"
 #include "firmware/detect/background.h"
 #include "firmware/detect/centroid.h"
 #include "firmware/detect/components.h"
@@ -17,7 +18,6 @@ constexpr double kSigmas = 6;
 // and never nearer than this to the background, at 8 bit: uneven veils and glare stay dark, and the weight I
 // - T is within 1.2 of the bound for peaks from 50 DN on (bounds simulated for T = 12 to 30).
 constexpr double kLeastContrastDn = 12;
-constexpr std::uint32_t kDropped = UINT32_MAX;
 
 }  // namespace
 
@@ -25,19 +25,14 @@ struct Detector::State {
   optics::CameraModel camera;
   DetectorOptions options;
   Components components;
-  std::vector<std::uint32_t> spot_of;  ///< component -> spot, or kDropped
-  std::vector<SpotMoments> spots;
-  std::vector<std::uint32_t> component_of_spot;
 
   State(const optics::CameraModel& model, const DetectorOptions& given) : camera(model), options(given) {
-    spot_of.resize(Components::kMaxRuns);
-    spots.reserve(kMaxBlobs);
-    component_of_spot.reserve(kMaxBlobs);
+    ADIT_REQUIRE(model.width_px <= Components::kMaxWidthPx);
   }
 
-  void Choose(const base::ImageView& image, const PixelNoise& noise, BlobSet& out);
-  void Measure(const base::ImageView& image);
-  void Emit(const base::ImageView& image, BlobSet& out);
+  std::uint32_t* ReasonToDrop(const Component& component, BlobSet& out) const;
+  std::optional<Blob> Measure(const base::ImageView& image, const Component& component,
+                              const PixelNoise& noise, int threshold_dn) const;
 };
 
 Detector::Detector(const optics::CameraModel& camera, const DetectorOptions& options)
@@ -46,73 +41,49 @@ Detector::~Detector() = default;
 Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
 
-void Detector::State::Choose(const base::ImageView& image, const PixelNoise& noise, BlobSet& out) {
-  spots.clear();
-  component_of_spot.clear();
+/// The counter of what is wrong with a component by its area and box alone, or null.
+std::uint32_t* Detector::State::ReasonToDrop(const Component& component, BlobSet& out) const {
+  const Component& c = component;
+  if (c.area_px < options.area_min_px) return &out.rejects.too_small;
+  if (c.area_px > options.area_max_px) return &out.rejects.too_large;
+  if (c.x_min_px == 0 || c.y_min_px == 0 || c.x_max_px == camera.width_px - 1 ||
+      c.y_max_px == camera.height_px - 1)
+    return &out.rejects.at_border;
   // A round spot is not much longer than the circle of its area; what is thrice as long goes without a look
   // at its pixels.
   constexpr double kBoxSlack = 3;
-  const auto all = components.All();
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const Component& c = all[i];
-    spot_of[i] = kDropped;
-    const int width = c.x_max_px - c.x_min_px + 1, height = c.y_max_px - c.y_min_px + 1;
-    const double round_px = std::sqrt(4 / M_PI * c.area_px);
-    if (c.area_px < options.area_min_px) {
-      ++out.rejects.too_small;
-    } else if (c.area_px > options.area_max_px) {
-      ++out.rejects.too_large;
-    } else if (c.x_min_px == 0 || c.y_min_px == 0 || c.x_max_px == image.width_px - 1 ||
-               c.y_max_px == image.height_px - 1) {
-      ++out.rejects.at_border;
-    } else if (std::max(width, height) > kBoxSlack * options.elongation_max * round_px) {
-      ++out.rejects.not_round;
-    } else if (spots.size() == kMaxBlobs) {
-      ++out.rejects.no_room;
-    } else {
-      spot_of[i] = static_cast<std::uint32_t>(spots.size());
-      component_of_spot.push_back(static_cast<std::uint32_t>(i));
-      spots.emplace_back(Eigen::Vector2d(0.5 * (c.x_min_px + c.x_max_px), 0.5 * (c.y_min_px + c.y_max_px)),
-                         static_cast<double>(out.threshold_dn), noise);
-    }
-  }
+  const double longest_px = std::max(c.x_max_px - c.x_min_px, c.y_max_px - c.y_min_px) + 1;
+  const double limit_px = kBoxSlack * options.elongation_max;
+  if (longest_px * longest_px > limit_px * limit_px * (4 / M_PI) * c.area_px) return &out.rejects.not_round;
+  if (out.blobs.size() == kMaxBlobs) return &out.rejects.no_room;
+  return nullptr;
 }
 
-void Detector::State::Measure(const base::ImageView& image) {
-  const auto runs = components.Runs();
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    const std::uint32_t spot = spot_of[components.ComponentOf(i)];
-    if (spot != kDropped) spots[spot].Take(image, runs[i]);
-  }
-}
-
-void Detector::State::Emit(const base::ImageView& image, BlobSet& out) {
-  const double full_scale_dn = (1 << image.bits) - 1;
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    const SpotMoments& spot = spots[i];
-    const Component& component = components.All()[component_of_spot[i]];
-    const Eigen::Vector2d sigmas_px = spot.SigmasPx();
-    Eigen::Matrix2d slope;
-    const auto ideal_px = camera.Undistort(spot.CentroidPx(), &slope);
-    if (!(sigmas_px.x() <= options.elongation_max * sigmas_px.y()) || !ideal_px) {
-      ++out.rejects.not_round;
-      continue;
-    }
-    Blob blob;
-    blob.raw_px = spot.CentroidPx();
-    blob.ideal_px = *ideal_px;
-    blob.covariance_px2 = slope * spot.CovariancePx2() * slope.transpose();
-    blob.flux_dn = static_cast<float>(spot.FluxDn());
-    blob.peak_dn = static_cast<float>(spot.PeakDn());
-    blob.background_dn = out.background_dn;
-    blob.area_px = static_cast<float>(component.area_px);
-    blob.sigma_major_px = static_cast<float>(sigmas_px.x());
-    blob.sigma_minor_px = static_cast<float>(sigmas_px.y());
-    blob.x_min_px = component.x_min_px, blob.y_min_px = component.y_min_px;
-    blob.x_max_px = component.x_max_px, blob.y_max_px = component.y_max_px;
-    blob.saturated = spot.PeakDn() >= full_scale_dn;
-    out.blobs.push_back(blob);
-  }
+/// The blob of a component, or none if it is not round or lies where the lens does not image.
+std::optional<Blob> Detector::State::Measure(const base::ImageView& image, const Component& component,
+                                             const PixelNoise& noise, int threshold_dn) const {
+  const Component& c = component;
+  SpotMoments spot({c.x_min_px, c.y_min_px}, threshold_dn, noise);
+  components.ForEachRun(c, [&](const Run& run) { spot.Take(image, run); });
+  const Eigen::Vector2d sigmas_px = spot.SigmasPx();
+  if (!(sigmas_px.x() <= options.elongation_max * sigmas_px.y())) return std::nullopt;
+  Eigen::Matrix2d slope;
+  const auto ideal_px = camera.Undistort(spot.CentroidPx(), &slope);
+  if (!ideal_px) return std::nullopt;
+  Blob blob;
+  blob.raw_px = spot.CentroidPx();
+  blob.ideal_px = *ideal_px;
+  blob.covariance_px2 = slope * spot.CovariancePx2() * slope.transpose();
+  blob.flux_dn = static_cast<float>(spot.FluxDn());
+  blob.peak_dn = static_cast<float>(spot.PeakDn());
+  blob.background_dn = static_cast<float>(noise.background_dn);
+  blob.area_px = static_cast<float>(c.area_px);
+  blob.sigma_major_px = static_cast<float>(sigmas_px.x());
+  blob.sigma_minor_px = static_cast<float>(sigmas_px.y());
+  blob.x_min_px = c.x_min_px, blob.y_min_px = c.y_min_px;
+  blob.x_max_px = c.x_max_px, blob.y_max_px = c.y_max_px;
+  blob.saturated = spot.PeakDn() >= (1 << image.bits) - 1;
+  return blob;
 }
 
 void Detector::Detect(const base::CameraFrame& frame, BlobSet& out) {
@@ -147,9 +118,15 @@ void Detector::Detect(const base::CameraFrame& frame, BlobSet& out) {
   }
   const PixelNoise noise{state_->options.read_noise_dn * scale, state_->options.electrons_per_dn / scale,
                          background.level_dn};
-  state_->Choose(image, noise, out);
-  state_->Measure(image);
-  state_->Emit(image, out);
+  for (const Component& component : state_->components.All()) {
+    std::uint32_t* reason = state_->ReasonToDrop(component, out);
+    if (reason == nullptr) {
+      const auto blob = state_->Measure(image, component, noise, threshold);
+      if (blob) out.blobs.push_back(*blob);
+      if (!blob) reason = &out.rejects.not_round;
+    }
+    if (reason != nullptr) ++*reason;
+  }
 }
 
 }  // namespace adit::detect

@@ -1,26 +1,29 @@
-// One row of pixels -> runs of bright ones.
+// One row of pixels -> one bit a pixel -> where its bright runs begin and end.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace adit::detect {
 
-/// Bright pixels [begin_px, end_px) of row y_px, touching neither neighbour of the row that is bright.
-struct Run {
-  std::uint16_t begin_px, end_px, y_px;
-};
+/// Bit i of word w of `bright` tells whether pixel 64 w + i of the `width` ones at `row` is brighter than
+/// `threshold`; the last word's bits beyond the row are 0. False if no pixel is: then the words need not be
+/// looked at.
+using RowScan = bool (*)(const std::uint8_t* row, int width, int threshold, std::uint64_t* bright);
 
-/// Writes the runs of pixels brighter than `threshold` among the `width` ones at `row`, at most `room` of
-/// them, to `out`. Returns how many there are; more than `room` means that the rest is missing.
-using RowScan = std::size_t (*)(const std::uint8_t* row, int width, int threshold, Run* out,
-                                std::size_t room);
+/// The straightforward loops, for pixels of one byte and of two, which the others are compared with.
+bool ScanRowPlain8(const std::uint8_t* row, int width, int threshold, std::uint64_t* bright);
+bool ScanRowPlain16(const std::uint8_t* row, int width, int threshold, std::uint64_t* bright);
+/// 64 pixels at a time with the widest instructions of this processor that pay (AVX2, SSE2, NEON).
+RowScan FastestRowScan(int bytes_per_pixel);
 
-/// The straightforward loop, which the others are compared with.
-std::size_t ScanRowPlain(const std::uint8_t* row, int width, int threshold, Run* out, std::size_t room);
-/// The same for 16 bit pixels.
-std::size_t ScanRowPlain16(const std::uint8_t* row, int width, int threshold, Run* out, std::size_t room);
-/// 64 pixels at a time with the processor's widest instructions that pay (SSE2, AVX2).
-RowScan FastestRowScan();
+constexpr std::size_t RowWords(int width) { return (static_cast<std::size_t>(width) + 63) / 64; }
+/// Room that RowEdges wants: two edges a run, and what it writes in advance.
+constexpr std::size_t RowEdgesRoom(int width) { return static_cast<std::size_t>(width) + 4; }
+
+/// The bright runs of a scanned row as edges in ascending order: first pixel, pixel after the last, first
+/// pixel of the next. Returns how many edges there are.
+std::size_t RowEdges(std::span<const std::uint64_t> bright, std::uint16_t* edges);
 
 }  // namespace adit::detect

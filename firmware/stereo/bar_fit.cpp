@@ -133,7 +133,9 @@ double ChiSquare(const Views& views, const base::Target& target, const BarObserv
     // A larger bar: each LED moves out along the direction. by_bar's first three columns are by the point.
     by_all.block<4, 1>(row, 7) = by_bar.block<4, 3>(row, 0) * fit.bar.direction_b * problem.offset_m[i];
   }
-  Eigen::Matrix<double, kColumns, kColumns> normal = by_all.transpose() * by_all;
+  // lazyProduct, here and in Minimise: for factors this small Eigen's blocked product costs more than it
+  // saves.
+  Eigen::Matrix<double, kColumns, kColumns> normal = by_all.transpose().lazyProduct(by_all);
   const auto prior = [](double sigma) { return 1 / (sigma * sigma); };
   normal(5, 5) += prior(allowance.right_image_px);
   normal(6, 6) += prior(allowance.right_image_px);

@@ -40,7 +40,7 @@ Minimum<Problem::kParameters> Minimise(const Problem& problem, typename Problem:
   minimum.cost = residuals.squaredNorm();
   double damping = 1e-6;
   for (int step_count = 0; step_count < kStepsMax; ++step_count) {
-    minimum.information.noalias() = jacobian.transpose() * jacobian;
+    minimum.information = jacobian.transpose().lazyProduct(jacobian);
     auto damped = minimum.information;
     damped.diagonal() *= 1 + damping;
     const Step step = damped.ldlt().solve(-jacobian.transpose() * residuals);
@@ -60,7 +60,7 @@ Minimum<Problem::kParameters> Minimise(const Problem& problem, typename Problem:
       damping *= 10;
     }
     if (short_step) {
-      minimum.information.noalias() = jacobian.transpose() * jacobian;
+      minimum.information = jacobian.transpose().lazyProduct(jacobian);
       minimum.converged = true;
       return minimum;
     }

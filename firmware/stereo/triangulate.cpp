@@ -1,7 +1,6 @@
 #include "firmware/stereo/triangulate.h"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cmath>
 
 #include "firmware/stereo/levenberg_marquardt.h"
@@ -51,28 +50,23 @@ std::optional<LocatedPoint> WithCovariance(const Vector3d& point_m, const Matrix
   return located;
 }
 
-std::optional<Vector3d> LinearStart(const Views& views, const ObservationPair& pair) {
-  // Normalised coordinates: the columns are then of one order of magnitude, which the SVD needs.
-  Eigen::Matrix4d equations;
-  for (int side = 0; side < 2; ++side) {
-    const View& view = views[static_cast<std::size_t>(side)];
-    const Eigen::Vector2d n = view.Normalised(pair[static_cast<std::size_t>(side)].px);
-    Eigen::Matrix<double, 3, 4> projection;
-    projection << view.rotation, view.translation_m;
-    equations.row(2 * side) = n.x() * projection.row(2) - projection.row(0);
-    equations.row(2 * side + 1) = n.y() * projection.row(2) - projection.row(1);
-  }
-  const Eigen::JacobiSVD<Eigen::Matrix4d> svd(equations, Eigen::ComputeFullV);
-  const Eigen::Vector4d point = svd.matrixV().col(3);
-  constexpr double kAtInfinity = 1e-6;  // 1000 km
-  if (!(std::abs(point.w()) > kAtInfinity)) return std::nullopt;
-  return point.head<3>() / point.w();
+/// Midpoint of the closest approach of the two rays.
+std::optional<Vector3d> Midpoint(const Views& views, const ObservationPair& pair) {
+  const Vector3d a = views[0].Ray(pair[0].px), b = views[1].Ray(pair[1].px);
+  const Vector3d base_m = views[1].CentreM() - views[0].CentreM();
+  const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b);
+  const double det = aa * bb - ab * ab;
+  constexpr double kParallel = 1e-12;  // sin^2 of a microradian
+  if (!(det > kParallel * aa * bb)) return std::nullopt;
+  const double ra = (bb * a.dot(base_m) - ab * b.dot(base_m)) / det;
+  const double rb = (ab * a.dot(base_m) - aa * b.dot(base_m)) / det;
+  return views[0].CentreM() + 0.5 * (ra * a + base_m + rb * b);
 }
 
 }  // namespace
 
 std::optional<LocatedPoint> Triangulate(const Views& views, const ObservationPair& pair, double floor_px) {
-  const auto start = LinearStart(views, pair);
+  const auto start = Midpoint(views, pair);
   if (!start) return std::nullopt;
   Vector3d point_m = *start;
   const auto minimum = Minimise(PointProblem(views, pair, floor_px), point_m);
@@ -82,19 +76,12 @@ std::optional<LocatedPoint> Triangulate(const Views& views, const ObservationPai
 
 std::optional<LocatedPoint> TriangulateMidpoint(const Views& views, const ObservationPair& pair,
                                                 double floor_px) {
-  const Vector3d a = views[0].Ray(pair[0].px), b = views[1].Ray(pair[1].px);
-  const Vector3d base_m = views[1].CentreM() - views[0].CentreM();
-  const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b);
-  const double det = aa * bb - ab * ab;
-  constexpr double kParallel = 1e-12;  // sin^2 of a microradian
-  if (!(det > kParallel * aa * bb)) return std::nullopt;
-  const double ra = (bb * a.dot(base_m) - ab * b.dot(base_m)) / det;
-  const double rb = (ab * a.dot(base_m) - aa * b.dot(base_m)) / det;
-  const Vector3d point_m = views[0].CentreM() + 0.5 * (ra * a + base_m + rb * b);
+  const auto point_m = Midpoint(views, pair);
+  if (!point_m) return std::nullopt;
   Eigen::Vector4d residuals;
   Eigen::Matrix<double, 4, 3> jacobian;
-  if (!PointProblem(views, pair, floor_px).Evaluate(point_m, residuals, jacobian)) return std::nullopt;
-  return WithCovariance(point_m, jacobian.transpose() * jacobian);
+  if (!PointProblem(views, pair, floor_px).Evaluate(*point_m, residuals, jacobian)) return std::nullopt;
+  return WithCovariance(*point_m, jacobian.transpose() * jacobian);
 }
 
 }  // namespace adit::stereo

@@ -115,16 +115,37 @@ TEST(Components, ReadAlongTheStride_Seed3) {
   CheckSame(wide.colRange(17, 188), "part of a wider image");
 }
 
-TEST(Components, EveryRunBelongsToTheComponentThatHoldsIt_Seed4) {
+TEST(Components, TheirRunsAreTheirPixelsEachOnce_Seeds4To6) {
   auto components = std::make_unique<Components>();
-  const cv::Mat image = Noise(200, 100, 0.3, 4);
-  CHECK(components->Segment(ViewOf(image), kThreshold));
-  std::vector<std::uint32_t> area(components->All().size());
-  for (std::size_t i = 0; i < components->Runs().size(); ++i) {
-    const Run& run = components->Runs()[i];
-    area[components->ComponentOf(i)] += static_cast<std::uint32_t>(run.end_px - run.begin_px);
+  unsigned seed = 3;
+  for (const double share : {0.3, 0.45, 0.8}) {
+    const cv::Mat image = Noise(200, 100, share, ++seed);
+    CHECK(components->Segment(ViewOf(image), kThreshold));
+    cv::Mat labels, seen(image.size(), CV_32S, cv::Scalar(0));
+    cv::connectedComponents(image > kThreshold, labels, 8, CV_32S);
+    for (const auto& c : components->All()) {
+      int label = 0;
+      std::uint32_t area_px = 0;
+      components->ForEachRun(c, [&](const Run& run) {
+        if (label == 0) label = labels.at<int>(run.y_px, run.begin_px);
+        for (int x = run.begin_px; x < run.end_px; ++x) {
+          LONGS_EQUAL(label, labels.at<int>(run.y_px, x));
+          ++seen.at<int>(run.y_px, x);
+          ++area_px;
+        }
+      });
+      LONGS_EQUAL(c.area_px, area_px);
+    }
+    CHECK(cv::countNonZero((seen == 1) != (image > kThreshold)) == 0);
   }
-  for (std::size_t i = 0; i < area.size(); ++i) LONGS_EQUAL(components->All()[i].area_px, area[i]);
+}
+
+TEST(Components, ComeInTheOrderOfTheirFirstPixels_Seed7) {
+  auto components = std::make_unique<Components>();
+  CHECK(components->Segment(ViewOf(Noise(200, 100, 0.4, 7)), kThreshold));
+  const auto all = components->All();
+  CHECK(all.size() > 20);
+  for (std::size_t i = 1; i < all.size(); ++i) CHECK(all[i].y_min_px >= all[i - 1].y_min_px);
 }
 
 TEST(Components, TooManyRunsGiveNoneAtAll) {
@@ -133,40 +154,67 @@ TEST(Components, TooManyRunsGiveNoneAtAll) {
   auto components = std::make_unique<Components>();
   CHECK(!components->Segment(ViewOf(stripes), kThreshold));
   LONGS_EQUAL(0, components->All().size());
-  LONGS_EQUAL(0, components->Runs().size());
   CHECK(components->Segment(ViewOf(Noise(64, 64, 0.1, 1)), kThreshold));
   CHECK(!components->All().empty());
 }
 
-TEST_GROUP(RowScan){};
+TEST_GROUP(RowScan) {
+  std::mt19937 random{5};
 
-TEST(RowScan, TheFastestEqualsThePlainOneOnRowsOfEveryLength_Seed5) {
-  std::mt19937 random(5);
-  std::vector<std::uint8_t> row(400);
-  std::vector<Run> plain(400), fast(400);
-  for (int round = 0; round < 3000; ++round) {
-    const int width = static_cast<int>(random() % 400);
-    const int threshold = static_cast<int>(random() % 256);
-    const std::size_t length = 1 + random() % 90;
-    for (std::size_t x = 0; x < row.size(); ++x) {
-      row[x] = static_cast<std::uint8_t>((x / length) % 2 == 0 ? static_cast<unsigned>(threshold)
-                                                               : random() % 256);
-    }
-    const std::size_t count =
-        adit::detect::ScanRowPlain(row.data(), width, threshold, plain.data(), plain.size());
-    LONGS_EQUAL(count,
-                adit::detect::FastestRowScan()(row.data(), width, threshold, fast.data(), fast.size()));
-    for (std::size_t i = 0; i < count; ++i) {
-      LONGS_EQUAL(plain[i].begin_px, fast[i].begin_px);
-      LONGS_EQUAL(plain[i].end_px, fast[i].end_px);
+  /// Rows with dark and lit stretches, at the threshold and about it, against the plain loop.
+  template <typename Pixel>
+  void CompareWithPlain(adit::detect::RowScan plain, unsigned levels) {
+    constexpr int kLongest = 400, kSlack = 3;
+    std::vector<Pixel> row(kLongest);
+    std::vector<std::uint64_t> slow(adit::detect::RowWords(kLongest)), fast(slow.size());
+    for (int round = 0; round < 3000; ++round) {
+      const int width = static_cast<int>(random() % (kLongest - kSlack + 1));
+      const unsigned threshold = static_cast<unsigned>(random() % levels);
+      const std::size_t length = 1 + random() % 90;
+      for (std::size_t x = 0; x < row.size(); ++x)
+        row[x] = static_cast<Pixel>((x / length) % 2 == 0 ? threshold : random() % levels);
+      // Rows begin anywhere in memory.
+      const auto* const at = reinterpret_cast<const std::uint8_t*>(row.data() + round % kSlack);
+      const bool any = plain(at, width, static_cast<int>(threshold), slow.data());
+      CHECK_EQUAL(any, adit::detect::FastestRowScan(sizeof(Pixel))(at, width, static_cast<int>(threshold),
+                                                                   fast.data()));
+      const std::size_t words = adit::detect::RowWords(width);
+      CHECK(std::equal(slow.begin(), slow.begin() + static_cast<std::ptrdiff_t>(words), fast.begin()));
     }
   }
+};
+
+TEST(RowScan, TheFastestEqualsThePlainOneOnRowsOfEveryLength_Seed5) {
+  CompareWithPlain<std::uint8_t>(adit::detect::ScanRowPlain8, 256);
+  CompareWithPlain<std::uint16_t>(adit::detect::ScanRowPlain16, 4096);
+  CompareWithPlain<std::uint16_t>(adit::detect::ScanRowPlain16, 65536);
 }
 
-TEST(RowScan, CountsRunsBeyondItsRoomWithoutWritingThem) {
-  std::vector<std::uint8_t> row(64, 0);
-  for (std::size_t x = 0; x < 64; x += 2) row[x] = 255;
-  std::vector<Run> runs(3, Run{7, 7, 7});
-  LONGS_EQUAL(32, adit::detect::FastestRowScan()(row.data(), 64, 100, runs.data(), 2));
-  LONGS_EQUAL(7, runs[2].begin_px);
+TEST(RowScan, ThePlainOneSetsTheBitsOfWhatIsBrighter) {
+  std::vector<std::uint8_t> row(70, 100);
+  row[0] = 101, row[63] = 255, row[64] = 200, row[69] = 101;
+  std::vector<std::uint64_t> bright(2);
+  CHECK(adit::detect::ScanRowPlain8(row.data(), 70, 100, bright.data()));
+  CHECK(bright[0] == (1ULL | 1ULL << 63));
+  CHECK(bright[1] == (1ULL | 1ULL << 5));
+  CHECK(!adit::detect::ScanRowPlain8(row.data() + 1, 62, 100, bright.data()));
+}
+
+TEST(RowScan, EdgesAreWhereTheBitsChange_Seed6) {
+  for (int round = 0; round < 3000; ++round) {
+    const int width = 1 + static_cast<int>(random() % 300);
+    const std::size_t length = 1 + random() % 130;
+    std::vector<std::uint64_t> bright(adit::detect::RowWords(width));
+    std::vector<std::uint16_t> expected, edges(adit::detect::RowEdgesRoom(width));
+    bool lit = false;
+    for (int x = 0; x < width; ++x) {
+      const bool now = static_cast<std::size_t>(x) / length % 2 == 0 ? random() % 2 == 0 : lit;
+      if (now) bright[static_cast<std::size_t>(x) / 64] |= 1ULL << (x % 64);
+      if (now != lit) expected.push_back(static_cast<std::uint16_t>(x));
+      lit = now;
+    }
+    if (lit) expected.push_back(static_cast<std::uint16_t>(width));
+    edges.resize(adit::detect::RowEdges(bright, edges.data()));
+    CHECK(edges == expected);
+  }
 }

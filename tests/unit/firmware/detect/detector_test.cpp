@@ -104,9 +104,9 @@ TEST_GROUP(Detector) {
   std::unique_ptr<BlobSet> out = std::make_unique<BlobSet>();
 
   /// Detects one image of these spots with noise of seed 1.
-  void Detect(const std::vector<RenderedSpot>& spots, double slope_dn = 0) {
+  void Detect(const std::vector<RenderedSpot>& spots) {
     RenderedImage image(kWidthPx, kHeightPx);
-    image.Background(kBackgroundDn, slope_dn, slope_dn / 2);
+    image.Background(kBackgroundDn);
     for (const RenderedSpot& spot : spots) image.Add(spot);
     std::mt19937 random(1);
     image.Expose(kNoiseA, &random);
@@ -141,14 +141,6 @@ TEST(Detector, CentroidsWithoutNoiseAreWithinTwoHundredthsOfAPixel) {
     DOUBLES_EQUAL(spot.x_px, blob->raw_px.x(), 0.02);
     DOUBLES_EQUAL(spot.y_px, blob->raw_px.y(), 0.02);
   }
-}
-
-TEST(Detector, AVeilThatBrightensAcrossTheImageMovesNoCentroidMuch) {
-  const RenderedSpot spot{200.3, 160.2, 1.6, 150};
-  Detect({spot}, 0.02);  // 8 DN from edge to edge
-  const Blob* const blob = Nearest(*out, spot);
-  CHECK(blob != nullptr);
-  CHECK((blob->raw_px - Eigen::Vector2d(spot.x_px, spot.y_px)).norm() < 0.05);
 }
 
 TEST(Detector, SaturatedSpotsSaySo) {

@@ -39,7 +39,7 @@ BarFinder::BarFinder(const optics::CameraModel& left, const optics::CameraModel&
 void BarFinder::Search(const ImagePair& pair) {
   for (const base::Side side : {base::Side::kLeft, base::Side::kRight}) {
     const auto i = static_cast<std::size_t>(side);
-    detectors_[i].Detect(pair.Frame(side), (*blobs_)[i]);
+    detectors_[i].Detect(pair.Frame(side), {}, (*blobs_)[i]);
     identifiers_[i].Identify((*blobs_)[i], sightings_[i]);
   }
 }

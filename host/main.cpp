@@ -23,6 +23,12 @@ int main(int argc, char** argv) {
   adit::host::AddEvaluate(app, exit_code);
   adit::host::AddConfig(app, exit_code);
   adit::host::AddDemo(app, exit_code);
+  // CLI11 would only say that a command is missing.
+  const auto is_named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
+  if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {
+    std::cerr << "adit: there is no command '" << argv[1] << "' (adit --help)\n";
+    return 2;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

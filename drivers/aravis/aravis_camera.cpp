@@ -10,7 +10,6 @@
 namespace adit::aravis {
 namespace {
 
-constexpr std::size_t kPageBytes = 4096;
 constexpr base::DurationNs kReopenPauseNs =
     base::kNsPerS / 2;  // between two tries: a camera boots in seconds
 constexpr base::DurationNs kStopLookNs = 20 * base::kNsPerMs;
@@ -23,9 +22,7 @@ std::size_t FrameBytes(const AravisSettings& settings) {
 std::unique_ptr<Slot> MakeSlot(const AravisSettings& settings, const hal::Clock& clock) {
   auto slot = std::make_unique<Slot>();
   slot->clock = &clock;
-  const std::size_t bytes = (FrameBytes(settings) + kPageBytes - 1) / kPageBytes * kPageBytes;
-  slot->memory.reset(static_cast<std::uint8_t*>(std::aligned_alloc(kPageBytes, bytes)));
-  ADIT_REQUIRE(slot->memory != nullptr);
+  slot->memory = linux::AllocateHuge(FrameBytes(settings));
   slot->buffer.reset(arv_buffer_new_full(FrameBytes(settings), slot->memory.get(), slot.get(), nullptr));
   return slot;
 }

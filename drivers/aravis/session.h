@@ -4,11 +4,11 @@
 #include <arv.h>
 
 #include <atomic>
-#include <cstdlib>
 #include <memory>
 #include <vector>
 
 #include "drivers/aravis/aravis_camera.h"
+#include "drivers/linux/huge_memory.h"
 #include "firmware/base/result.h"
 
 namespace adit::aravis {
@@ -20,13 +20,9 @@ struct Unref {
 template <class T>
 using Owned = std::unique_ptr<T, Unref>;
 
-struct FreeMemory {
-  void operator()(std::uint8_t* memory) const { std::free(memory); }
-};
-
 /// A buffer of the pool. Lives as long as the camera object, over all connections.
 struct Slot {
-  std::unique_ptr<std::uint8_t, FreeMemory> memory;
+  linux::HugeMemory memory;
   Owned<ArvBuffer> buffer;
   std::atomic<base::TimeNs> done_ns{base::kNever};  ///< written by Aravis' receiving thread
   bool with_stages = false;           ///< Wait's thread only: handed out and not yet pushed again

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstring>
+
+#include "firmware/base/prefetch.h"
 
 namespace adit::detect {
 namespace {
@@ -30,8 +33,11 @@ double Quantile(const std::array<std::uint32_t, kLevels>& histogram, std::uint32
 Background EstimateBackground(const base::ImageView& image) {
   std::array<std::uint32_t, kLevels> histogram{};
   std::uint32_t count = 0;
+  const auto row_of = [&](int r) { return image.Row((2 * r + 1) * image.height_px / (2 * kRows)); };
+  for (int r = 0; r < kRows; ++r)
+    base::Prefetch(row_of(r), std::ptrdiff_t{image.width_px} * image.BytesPerPixel());
   for (int r = 0; r < kRows; ++r) {
-    const std::uint8_t* const row = image.Row((2 * r + 1) * image.height_px / (2 * kRows));
+    const std::uint8_t* const row = row_of(r);
     for (int x = r % kColumnStep % image.width_px; x < image.width_px; x += kColumnStep) {
       std::uint16_t value = row[x];
       if (image.BytesPerPixel() == 2) std::memcpy(&value, row + 2 * x, sizeof(value));

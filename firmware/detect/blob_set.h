@@ -37,6 +37,7 @@ struct BlobRejects {
 /// All LED candidates of one image, in scan order. status != kOk in the stamp means: no blobs were sought.
 struct BlobSet {
   base::FrameStamp stamp;
+  bool whole = true;  ///< the whole image was searched, not windows of it
   base::FixedVector<Blob, kMaxBlobs> blobs;
   BlobRejects rejects;
   float background_dn = 0;  ///< of the whole image

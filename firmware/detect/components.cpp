@@ -21,10 +21,10 @@ Components::Components()
       components_(kMaxRuns),
       parent_(kMaxRuns) {}
 
-bool Components::Segment(const base::ImageView& image, int threshold) {
+bool Components::Segment(const base::ImageView& image, const Window& window, int threshold) {
   ADIT_REQUIRE(image.width_px <= kMaxWidthPx && image.height_px <= UINT16_MAX);
   component_count_ = 0;
-  if (!ReadRows(image, threshold)) {
+  if (!ReadRows(image, window, threshold)) {
     component_count_ = 0;
     return false;
   }
@@ -32,32 +32,36 @@ bool Components::Segment(const base::ImageView& image, int threshold) {
   return true;
 }
 
-bool Components::ReadRows(const base::ImageView& image, int threshold) {
+bool Components::ReadRows(const base::ImageView& image, const Window& window, int threshold) {
   const RowScan scan = image.BytesPerPixel() == 1 ? scan8_ : scan16_;
-  const std::span<const std::uint64_t> bright(bright_.data(), RowWords(image.width_px));
+  const std::ptrdiff_t left_bytes = std::ptrdiff_t{window.x_min_px} * image.BytesPerPixel();
+  const std::span<const std::uint64_t> bright(bright_.data(), RowWords(window.WidthPx()));
+  x_px_ = static_cast<std::uint16_t>(window.x_min_px);
   runs_[0] = kSentinel;  // what is above a row that follows a dark one; and no run has the number 0
   run_count_ = 1;
   std::uint32_t above = 0;
-  for (int y = 0; y < image.height_px; ++y) {
-    if (!scan(image.Row(y), image.width_px, threshold, bright_.data())) {
+  for (int y = window.y_min_px; y <= window.y_max_px; ++y) {
+    if (!scan(image.Row(y) + left_bytes, window.WidthPx(), threshold, bright_.data())) {
       above = 0;
       continue;
     }
     const std::size_t edges = RowEdges(bright, edges_.data());
     if (run_count_ + edges / 2 + 1 > kMaxRuns) return false;
     const std::uint32_t here = run_count_;
-    Link(above, {edges_.data(), edges}, y);
+    y_px_ = static_cast<std::uint16_t>(y);
+    Link(above, edges);
     runs_[run_count_++] = kSentinel;
     above = here;
   }
   return true;
 }
 
-void Components::Link(std::uint32_t above, std::span<const std::uint16_t> edges, int y) {
-  for (std::size_t i = 0; i < edges.size(); i += 2) {
-    const std::uint16_t begin_px = edges[i], end_px = edges[i + 1];
+void Components::Link(std::uint32_t above, std::size_t edges) {
+  for (std::size_t i = 0; i < edges; i += 2) {
+    const auto begin_px = static_cast<std::uint16_t>(x_px_ + edges_[i]);
+    const auto end_px = static_cast<std::uint16_t>(x_px_ + edges_[i + 1]);
     const std::uint32_t run = run_count_++;
-    runs_[run] = {begin_px, end_px, static_cast<std::uint16_t>(y), 0, 0};
+    runs_[run] = {begin_px, end_px, y_px_, 0, 0};
     // Diagonal neighbours count: ends are exclusive, so equality touches.
     while (runs_[above].end_px < begin_px) ++above;
     if (runs_[above].begin_px > end_px) {

@@ -7,6 +7,7 @@
 
 #include "firmware/base/image.h"
 #include "firmware/detect/row_scan.h"
+#include "firmware/detect/window.h"
 
 namespace adit::detect {
 
@@ -34,9 +35,9 @@ class Components {
 
   Components();
 
-  /// Finds all components of pixels brighter than `threshold` (in the image's own DN). False if there were
-  /// too many runs: then there are no components at all, rather than wrong ones.
-  bool Segment(const base::ImageView& image, int threshold);
+  /// Finds all components of pixels brighter than `threshold` (in the image's own DN) inside `window`. False
+  /// if there were too many runs: then there are no components at all, rather than wrong ones.
+  bool Segment(const base::ImageView& image, const Window& window, int threshold);
 
   /// All components, in the order of their first pixels in the image.
   std::span<const Component> All() const { return {components_.data(), component_count_}; }
@@ -48,8 +49,8 @@ class Components {
   }
 
  private:
-  bool ReadRows(const base::ImageView& image, int threshold);
-  void Link(std::uint32_t above, std::span<const std::uint16_t> edges, int y);
+  bool ReadRows(const base::ImageView& image, const Window& window, int threshold);
+  void Link(std::uint32_t above, std::size_t edges);
   std::uint32_t Open(std::uint32_t run);
   void Append(std::uint32_t component, std::uint32_t run);
   std::uint32_t Join(std::uint32_t a, std::uint32_t b);
@@ -57,6 +58,7 @@ class Components {
   void DropJoined();
 
   RowScan scan8_, scan16_;
+  std::uint16_t x_px_ = 0, y_px_ = 0;  ///< of the window's left edge and of the row at hand
   std::vector<std::uint64_t> bright_;  ///< of the row at hand
   std::vector<std::uint16_t> edges_;   ///< of the row at hand
   std::vector<Run> runs_;              ///< row by row, a sentinel after each

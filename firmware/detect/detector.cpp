@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "firmware/base/prefetch.h"
 #include "firmware/base/require.h"
 #include "firmware/detect/background.h"
 #include "firmware/detect/centroid.h"
@@ -19,6 +20,14 @@ constexpr double kSigmas = 6;
 // - T is within 1.2 of the bound for peaks from 50 DN on (bounds simulated for T = 12 to 30).
 constexpr double kLeastContrastDn = 12;
 
+/// The rows of small windows lie in lines and pages of their own: fetched one after the other they would cost
+/// more than all the rest.
+void Fetch(const base::ImageView& image, const Window& window) {
+  const std::ptrdiff_t bytes = image.BytesPerPixel();
+  for (int y = window.y_min_px; y <= window.y_max_px; ++y)
+    base::Prefetch(image.Row(y) + bytes * window.x_min_px, bytes * window.WidthPx());
+}
+
 }  // namespace
 
 struct Detector::State {
@@ -30,7 +39,8 @@ struct Detector::State {
     ADIT_REQUIRE(model.width_px <= Components::kMaxWidthPx);
   }
 
-  std::uint32_t* ReasonToDrop(const Component& component, BlobSet& out) const;
+  void Search(const base::ImageView& image, const Window& window, const PixelNoise& noise, BlobSet& out);
+  std::uint32_t* ReasonToDrop(const Component& component, const Window& window, BlobSet& out) const;
   std::optional<Blob> Measure(const base::ImageView& image, const Component& component,
                               const PixelNoise& noise, int threshold_dn) const;
 };
@@ -42,12 +52,13 @@ Detector::Detector(Detector&&) noexcept = default;
 Detector& Detector::operator=(Detector&&) noexcept = default;
 
 /// The counter of what is wrong with a component by its area and box alone, or null.
-std::uint32_t* Detector::State::ReasonToDrop(const Component& component, BlobSet& out) const {
+std::uint32_t* Detector::State::ReasonToDrop(const Component& component, const Window& window,
+                                             BlobSet& out) const {
   const Component& c = component;
   if (c.area_px < options.area_min_px) return &out.rejects.too_small;
   if (c.area_px > options.area_max_px) return &out.rejects.too_large;
-  if (c.x_min_px == 0 || c.y_min_px == 0 || c.x_max_px == camera.width_px - 1 ||
-      c.y_max_px == camera.height_px - 1)
+  if (c.x_min_px == window.x_min_px || c.y_min_px == window.y_min_px || c.x_max_px == window.x_max_px ||
+      c.y_max_px == window.y_max_px)
     return &out.rejects.at_border;
   // A round spot is not much longer than the circle of its area; what is thrice as long goes without a look
   // at its pixels.
@@ -86,9 +97,28 @@ std::optional<Blob> Detector::State::Measure(const base::ImageView& image, const
   return blob;
 }
 
-void Detector::Detect(const base::CameraFrame& frame, BlobSet& out) {
+void Detector::State::Search(const base::ImageView& image, const Window& window, const PixelNoise& noise,
+                             BlobSet& out) {
+  const int threshold_dn = static_cast<int>(out.threshold_dn);
+  if (!components.Segment(image, window, threshold_dn)) {
+    ++out.rejects.no_room;
+    return;
+  }
+  for (const Component& component : components.All()) {
+    std::uint32_t* reason = ReasonToDrop(component, window, out);
+    if (reason == nullptr) {
+      const auto blob = Measure(image, component, noise, threshold_dn);
+      if (blob) out.blobs.push_back(*blob);
+      if (!blob) reason = &out.rejects.not_round;
+    }
+    if (reason != nullptr) ++*reason;
+  }
+}
+
+void Detector::Detect(const base::CameraFrame& frame, const Windows& windows, BlobSet& out) {
   const base::ImageView& image = frame.image;
   out.stamp = frame.stamp;
+  out.whole = windows.empty();
   out.blobs.clear();
   out.rejects = {};
   out.background_dn = out.noise_dn = out.threshold_dn = 0;
@@ -104,6 +134,7 @@ void Detector::Detect(const base::CameraFrame& frame, BlobSet& out) {
     return;
   }
   const double scale = 1 << (image.bits - 8);  // DN of this image per DN at 8 bit
+  for (const Window& window : windows) Fetch(image, window);
   const Background background = EstimateBackground(image);
   const double contrast_dn = std::max(kSigmas * background.noise_dn, kLeastContrastDn * scale);
   // Limited by the bytes, not by the bits: pixels beyond their depth must not put it below the background.
@@ -112,21 +143,10 @@ void Detector::Detect(const base::CameraFrame& frame, BlobSet& out) {
   out.background_dn = static_cast<float>(background.level_dn);
   out.noise_dn = static_cast<float>(background.noise_dn);
   out.threshold_dn = static_cast<float>(threshold);
-  if (!state_->components.Segment(image, threshold)) {
-    ++out.rejects.no_room;
-    return;
-  }
   const PixelNoise noise{state_->options.read_noise_dn * scale, state_->options.electrons_per_dn / scale,
                          background.level_dn};
-  for (const Component& component : state_->components.All()) {
-    std::uint32_t* reason = state_->ReasonToDrop(component, out);
-    if (reason == nullptr) {
-      const auto blob = state_->Measure(image, component, noise, threshold);
-      if (blob) out.blobs.push_back(*blob);
-      if (!blob) reason = &out.rejects.not_round;
-    }
-    if (reason != nullptr) ++*reason;
-  }
+  if (windows.empty()) state_->Search(image, {0, 0, image.width_px - 1, image.height_px - 1}, noise, out);
+  for (const Window& window : windows) state_->Search(image, window, noise, out);
 }
 
 }  // namespace adit::detect

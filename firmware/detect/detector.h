@@ -5,6 +5,7 @@
 
 #include "firmware/base/image.h"
 #include "firmware/detect/blob_set.h"
+#include "firmware/detect/window.h"
 #include "firmware/optics/camera_model.h"
 
 namespace adit::detect {
@@ -27,9 +28,10 @@ class Detector {
   Detector(Detector&&) noexcept;
   Detector& operator=(Detector&&) noexcept;
 
-  /// Fills `out` from `frame`. A frame that is not kOk, or not of the camera's size, gives an empty set whose
-  /// stamp says why.
-  void Detect(const base::CameraFrame& frame, BlobSet& out);
+  /// Fills `out` from `frame`, all of it or `windows` of it: a blob that lies inside a window is the same
+  /// either way. A frame that is not kOk, or not of the camera's size, gives an empty set whose stamp says
+  /// why.
+  void Detect(const base::CameraFrame& frame, const Windows& windows, BlobSet& out);
 
  private:
   struct State;

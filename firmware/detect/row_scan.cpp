@@ -198,18 +198,8 @@ std::size_t RowEdges(std::span<const std::uint64_t> bright, std::uint16_t* edges
   for (const std::uint64_t word : bright) {
     std::uint64_t changes = word ^ (word << 1 | before);
     before = word >> (kWord - 1);
-    // Two are written in advance, whether they are there or not: most words have none, one or two, and a
-    // branch for each would be mispredicted half of the time.
-    const int count = std::popcount(changes);
-    edges[0] = static_cast<std::uint16_t>(x + static_cast<unsigned>(std::countr_zero(changes)));
-    const std::uint64_t more = changes & (changes - 1);
-    edges[1] = static_cast<std::uint16_t>(x + static_cast<unsigned>(std::countr_zero(more)));
-    if (count > 2) [[unlikely]] {
-      changes = more & (more - 1);
-      for (int i = 2; i < count; ++i, changes &= changes - 1)
-        edges[i] = static_cast<std::uint16_t>(x + static_cast<unsigned>(std::countr_zero(changes)));
-    }
-    edges += count;
+    for (; changes != 0; changes &= changes - 1)
+      *edges++ = static_cast<std::uint16_t>(x + static_cast<unsigned>(std::countr_zero(changes)));
     x += kWord;
   }
   if (before != 0) *edges++ = static_cast<std::uint16_t>(x);  // open at the end of a row of whole words

@@ -37,14 +37,14 @@ StretchSums SumStretchPlain16(const std::uint8_t* pixels, int count, int thresho
 #if defined(__x86_64__)
 
 StretchSums SumStretchWide8(const std::uint8_t* pixels, int count, int threshold) {
-  static const std::uint8_t kTaken[2 * kStretchPx] = {255, 255, 255, 255, 255, 255, 255, 255,
-                                                      255, 255, 255, 255, 255, 255, 255, 255};
+  static const std::uint8_t taken[2 * kStretchPx] = {255, 255, 255, 255, 255, 255, 255, 255,
+                                                     255, 255, 255, 255, 255, 255, 255, 255};
   const auto load = [](const std::uint8_t* p) {
     return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));
   };
   const __m128i zero = _mm_setzero_si128();
   const __m128i above = _mm_subs_epu8(load(pixels), _mm_set1_epi8(static_cast<char>(threshold)));
-  const __m128i g = _mm_and_si128(above, load(kTaken + kStretchPx - count));
+  const __m128i g = _mm_and_si128(above, load(taken + kStretchPx - count));
   const __m128i low = _mm_unpacklo_epi8(g, zero), high = _mm_unpackhi_epi8(g, zero);
   const __m128i sum = _mm_sad_epu8(g, zero);  // of either half
   const __m128i k = _mm_add_epi32(_mm_madd_epi16(low, _mm_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7)),

@@ -61,10 +61,14 @@ Pipeline::Pipeline(const optics::Rig& rig, const std::vector<identify::Model>& m
       left_detector_(rig.left, options.detector),
       right_detector_(rig.right, options.detector),
       left_identifier_(models, IdentifierOptionsOf(rig.left)),
-      locator_(rig, TargetsOf(models)) {}
+      locator_(rig, TargetsOf(models)),
+      windows_(options.windows),
+      planner_(std::max(rig.left.fu_px, rig.left.fv_px)),
+      plan_(std::make_unique<base::Latest<SearchPlan>>()) {}
 
 void Pipeline::Detect(const base::CameraFrame& frame, detect::BlobSet& blobs) {
-  (frame.stamp.side == base::Side::kLeft ? left_detector_ : right_detector_).Detect(frame, blobs);
+  auto& detector = frame.stamp.side == base::Side::kLeft ? left_detector_ : right_detector_;
+  detector.Detect(frame, plan_->Load().WindowsIn(frame), blobs);
 }
 
 void Pipeline::Locate(const detect::BlobSet& left, const detect::BlobSet& right, PairResult& result) {
@@ -73,6 +77,7 @@ void Pipeline::Locate(const detect::BlobSet& left, const detect::BlobSet& right,
   result.right.blob_set = &right;
   result.right.sightings.clear();
   locator_.Locate(result.left, result.right, result.points);
+  if (windows_) plan_->Store(planner_.Next(result.points));
   tracker_.Track(result.points, result.states);
   georeference_.Apply(result.states, result.fixes);
 }

@@ -2,13 +2,16 @@
 // track` run this same code.
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include "firmware/base/latest.h"
 #include "firmware/base/result.h"
 #include "firmware/detect/detector.h"
 #include "firmware/georef/geo_fix.h"
 #include "firmware/georef/georeference.h"
 #include "firmware/identify/identifier.h"
+#include "firmware/pipeline/search_plan.h"
 #include "firmware/stereo/locator.h"
 #include "firmware/track/tracker.h"
 
@@ -16,6 +19,8 @@ namespace adit::pipeline {
 
 struct PipelineOptions {
   detect::DetectorOptions detector;
+  bool windows =
+      true;  ///< search around the targets that are followed, and all over in every second or third pair
 };
 
 /// All records of one pair. Large (some 100 kB): make it once and reuse it.
@@ -33,7 +38,7 @@ class Pipeline {
   static base::Result<Pipeline> Make(const optics::Rig& rig, const std::vector<identify::Model>& models,
                                      const PipelineOptions& options);
 
-  /// Frame -> blobs, for the camera of the frame's side.
+  /// Frame -> blobs, for the camera of the frame's side, in the windows that the last Locate left.
   void Detect(const base::CameraFrame& frame, detect::BlobSet& blobs);
 
   /// Blobs of one pair -> fixes. `left` and `right` must outlive `result`.
@@ -51,6 +56,10 @@ class Pipeline {
   stereo::Locator locator_;
   track::Tracker tracker_;
   georef::Georeference georeference_;
+  bool windows_;
+  SearchPlanner planner_;
+  std::unique_ptr<base::Latest<SearchPlan>>
+      plan_;  ///< written by Locate, read by both Detects; at a fixed address
 };
 
 }  // namespace adit::pipeline

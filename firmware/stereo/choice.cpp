@@ -58,7 +58,7 @@ bool ShareABlob(const Solution& a, const Solution& b) {
     return std::any_of(x.begin(), x.end(),
                        [&y](std::uint16_t i) { return std::find(y.begin(), y.end(), i) != y.end(); });
   };
-  return shares(a.left, b.left) || shares(a.right, b.right);
+  return shares(a.points.blobs[0], b.points.blobs[0]) || shares(a.points.blobs[1], b.points.blobs[1]);
 }
 
 }  // namespace

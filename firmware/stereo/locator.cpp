@@ -126,8 +126,7 @@ void Locator::State::TryRightBlobs(const identify::SightingSet& left, const iden
   finding.reason = Farther(finding.reason, reason);
   if (!solution) return;
   solution->flux_dn = flux_dn;
-  solution->left = sighting.blobs;
-  solution->right = right_blobs;
+  solution->points.blobs = {sighting.blobs, right_blobs};
   solution->points.target = sighting.target;
   if (!finding.solutions.push_back(*solution)) finding.crowded = true;
 }

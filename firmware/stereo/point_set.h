@@ -11,6 +11,9 @@
 
 namespace adit::stereo {
 
+/// Which blobs of an image are LED 1 to LED 4.
+using BlobIndices = std::array<std::uint16_t, base::kLedCount>;
+
 enum class FixStatus : std::uint8_t {
   kTracked,    ///< all four LEDs measured in both images
   kRecovered,  ///< one or two LEDs rebuilt from the others
@@ -43,8 +46,9 @@ struct TargetPoints {
   Eigen::Matrix3d direction_covariance = Eigen::Matrix3d::Zero();  ///< rank 2
   double bar_m = 0;  ///< measured distance LED 1 to LED 4, from the single LEDs
   double bar_sigma_m = 0;
-  double reprojection_px = 0;       ///< rms over the rigid fit's image residuals
-  std::uint8_t recovered_mask = 0;  ///< bit i: LED i+1 was rebuilt
+  double reprojection_px = 0;          ///< rms over the rigid fit's image residuals
+  std::uint8_t recovered_mask = 0;     ///< bit i: LED i+1 was rebuilt
+  std::array<BlobIndices, 2> blobs{};  ///< LED 1 to LED 4 in the left image's blobs and in the right one's
 };
 
 /// One entry for every target of the model list, in its order, found or lost.

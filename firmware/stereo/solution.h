@@ -12,15 +12,13 @@
 
 namespace adit::stereo {
 
-using BlobIndices = std::array<std::uint16_t, base::kLedCount>;
 using LedPoints = std::array<LocatedPoint, base::kLedCount>;
 
 /// One place that passes for a target.
 struct Solution {
   TargetPoints points;
   double chi_square = 0;
-  double flux_dn = 0;           ///< of the four left blobs
-  BlobIndices left{}, right{};  ///< blobs, LED 1 to LED 4
+  double flux_dn = 0;  ///< of the four left blobs
 };
 
 /// Whether two points can be `expected_m` apart: within `options.sigmas` of the propagated covariance plus

@@ -40,13 +40,13 @@ class Light {
       if (std::hypot(x - at_px.x(), y - at_px.y()) <= radius_px) dn = 400;
     });
   }
-  std::vector<std::uint8_t> Expose(const std::vector<float>& noise, std::size_t offset) const {
-    std::vector<std::uint8_t> pixels(dn_.size());
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
+  Image Expose(const std::vector<float>& noise, std::size_t offset) const {
+    Image image{linux::AllocateHuge(dn_.size())};
+    for (std::size_t i = 0; i < dn_.size(); ++i) {
       const float value = dn_[i] + noise[(offset + i) % kNoiseLength];
-      pixels[i] = static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
+      image.memory.get()[i] = static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
     }
-    return pixels;
+    return image;
   }
 
  private:
@@ -83,21 +83,37 @@ Light Draw(const SyntheticCamera& camera, const std::vector<SyntheticBar>& bars,
   return light;
 }
 
+/// Two bars as the seed's, and two that differ from them.
+std::vector<base::Target> Targets() {
+  std::vector<base::Target> targets{support::SeedTargetOne(), support::SeedTargetTwo()};
+  targets.push_back({"three", {0, 0.50, 0.80, 1.50}, 0.75});
+  targets.push_back({"four", {0, 0.40, 1.20, 1.50}, 0.75});
+  return targets;
+}
+
+ImagePair Expose(const support::SyntheticRig& rig, const std::vector<SyntheticBar>& bars, int lamps,
+                 const std::vector<float>& noise, std::mt19937& random) {
+  ImagePair pair;
+  pair.left = Draw(rig.left, bars, lamps, random).Expose(noise, random() % kNoiseLength);
+  pair.right = Draw(rig.right, bars, lamps, random).Expose(noise, random() % kNoiseLength);
+  return pair;
+}
+
 }  // namespace
 
 base::CameraFrame ImagePair::Frame(base::Side side, base::TimeNs time_ns) const {
   base::CameraFrame frame;
   frame.stamp.side = side;
   frame.stamp.mid_exposure_ns = frame.stamp.last_packet_ns = time_ns;
-  frame.image = {(side == base::Side::kLeft ? left : right).data(), kWidthPx, kHeightPx, kWidthPx, 8};
+  frame.image = {(side == base::Side::kLeft ? left : right).memory.get(), kWidthPx, kHeightPx, kWidthPx, 8};
   return frame;
 }
 
-Stage MakeStage() {
+Stage MakeStage(std::size_t targets) {
   constexpr double kNearestM = 15;  // the models' trained range begins there
-  return {support::ToedInRig().AsRig(),
-          {support::ModelOf(support::SeedTargetOne(), kNearestM),
-           support::ModelOf(support::SeedTargetTwo(), kNearestM)}};
+  Stage stage{support::ToedInRig().AsRig(), {}};
+  for (std::size_t i = 0; i < targets; ++i) stage.models.push_back(support::ModelOf(Targets()[i], kNearestM));
+  return stage;
 }
 
 std::vector<ImagePair> RenderPairs(int count, int lamps, unsigned seed) {
@@ -108,15 +124,32 @@ std::vector<ImagePair> RenderPairs(int count, int lamps, unsigned seed) {
   std::vector<ImagePair> pairs;
   for (int i = 0; i < count; ++i) {
     std::vector<SyntheticBar> bars;
-    const Eigen::Vector3d aside(1.2, 0.8, 0);
-    bars.push_back(SyntheticBar::At(support::SeedTargetOne(), support::Ahead(rig, distance_m(random)) - aside,
-                                    Eigen::Vector3d(1, lean(random), lean(random))));
-    bars.push_back(SyntheticBar::At(support::SeedTargetTwo(), support::Ahead(rig, distance_m(random)) + aside,
-                                    Eigen::Vector3d(1, lean(random), lean(random))));
-    ImagePair pair;
-    pair.left = Draw(rig.left, bars, lamps, random).Expose(noise, random() % kNoiseLength);
-    pair.right = Draw(rig.right, bars, lamps, random).Expose(noise, random() % kNoiseLength);
-    pairs.push_back(std::move(pair));
+    for (std::size_t t = 0; t < 2; ++t) {
+      const Eigen::Vector3d aside(t == 0 ? -1.2 : 1.2, t == 0 ? -0.8 : 0.8, 0);
+      bars.push_back(SyntheticBar::At(Targets()[t], support::Ahead(rig, distance_m(random)) + aside,
+                                      Eigen::Vector3d(1, lean(random), lean(random))));
+    }
+    pairs.push_back(Expose(rig, bars, lamps, noise, random));
+  }
+  return pairs;
+}
+
+std::vector<ImagePair> RenderDrive(int count, int lamps, unsigned seed) {
+  std::mt19937 random(seed);
+  const std::vector<float> noise = NoiseBank(random);
+  const support::SyntheticRig rig = support::ToedInRig();
+  std::vector<ImagePair> pairs;
+  for (int i = 0; i < count; ++i) {
+    const double turn = 2 * M_PI * i / count;
+    std::vector<SyntheticBar> bars;
+    for (std::size_t t = 0; t < Targets().size(); ++t) {
+      const auto k = static_cast<double>(t);
+      const Eigen::Vector3d aside((t % 2 == 0 ? -1.3 : 1.3) + 0.3 * std::sin(turn), 0.7 * (k - 1.5), 0);
+      bars.push_back(SyntheticBar::At(Targets()[t],
+                                      support::Ahead(rig, 32 + 6 * k + std::sin(turn + k)) + aside,
+                                      Eigen::Vector3d(1, 0.2 * std::sin(turn), 0.1 * k - 0.1)));
+    }
+    pairs.push_back(Expose(rig, bars, lamps, noise, random));
   }
   return pairs;
 }

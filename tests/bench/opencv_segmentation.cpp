@@ -10,13 +10,13 @@ namespace {
 constexpr double kThresholdDn = 30;
 constexpr int kAreaMinPx = 4, kAreaMaxPx = 1200;
 
-cv::Mat View(const std::vector<std::uint8_t>& pixels) {
+cv::Mat View(std::span<const std::uint8_t> pixels) {
   return {kHeightPx, kWidthPx, CV_8UC1, const_cast<std::uint8_t*>(pixels.data())};
 }
 
 }  // namespace
 
-std::size_t SegmentByContours(const std::vector<std::uint8_t>& pixels) {
+std::size_t SegmentByContours(std::span<const std::uint8_t> pixels) {
   const cv::Mat image = View(pixels);
   static cv::Mat bright;
   cv::threshold(image, bright, kThresholdDn, 255, cv::THRESH_BINARY);
@@ -34,7 +34,7 @@ std::size_t SegmentByContours(const std::vector<std::uint8_t>& pixels) {
   return sink >= 0 ? spots : 0;
 }
 
-std::size_t SegmentByComponents(const std::vector<std::uint8_t>& pixels) {
+std::size_t SegmentByComponents(std::span<const std::uint8_t> pixels) {
   const cv::Mat image = View(pixels);
   static cv::Mat bright, labels, stats, centroids;
   cv::threshold(image, bright, kThresholdDn, 255, cv::THRESH_BINARY);

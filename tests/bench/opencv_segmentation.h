@@ -2,15 +2,15 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+#include <span>
 
 namespace adit::bench {
 
 /// threshold + findContours + weighted moments of each contour's box; the number of spots.
-std::size_t SegmentByContours(const std::vector<std::uint8_t>& pixels);
+std::size_t SegmentByContours(std::span<const std::uint8_t> pixels);
 
 /// threshold + connectedComponentsWithStats (32 bit labels, its default) + weighted centroids; the number of
 /// spots.
-std::size_t SegmentByComponents(const std::vector<std::uint8_t>& pixels);
+std::size_t SegmentByComponents(std::span<const std::uint8_t> pixels);
 
 }  // namespace adit::bench

@@ -25,6 +25,7 @@ using adit::bench::ImagePair;
 constexpr int kPairs = 64;  // 183 MB: more than any cache holds
 constexpr int kPasses = 8;  // and one before them that is not counted
 constexpr int kScenarios[] = {0, 20, 60, 200};
+constexpr adit::base::DurationNs kPeriodNs = adit::base::kNsPerS / 60;
 constexpr int kComponentsEvery = 8;  // it takes a hundred times as long
 
 template <typename Work>
@@ -80,16 +81,19 @@ class SecondCore {
 /// The product on one pair, by one core or two.
 class Product {
  public:
-  explicit Product(const adit::bench::Stage& stage)
-      : pipeline_(*adit::pipeline::Pipeline::Make(stage.rig, stage.models, {})) {}
+  Product(const adit::bench::Stage& stage, bool windows)
+      : pipeline_(
+            *adit::pipeline::Pipeline::Make(stage.rig, stage.models, {.detector = {}, .windows = windows})) {}
 
   void OneCore(const ImagePair& pair) {
-    pipeline_.Detect(pair.Frame(Side::kLeft, ++time_), *left_);
+    time_ += kPeriodNs;
+    pipeline_.Detect(pair.Frame(Side::kLeft, time_), *left_);
     pipeline_.Detect(pair.Frame(Side::kRight, time_), *right_);
     pipeline_.Locate(*left_, *right_, *result_);
   }
   void TwoCores(SecondCore& second, const ImagePair& pair) {
-    second.Start(pair.Frame(Side::kRight, ++time_));
+    time_ += kPeriodNs;
+    second.Start(pair.Frame(Side::kRight, time_));
     pipeline_.Detect(pair.Frame(Side::kLeft, time_), *left_);
     second.Wait();
     pipeline_.Locate(*left_, *right_, *result_);
@@ -100,6 +104,7 @@ class Product {
       tracked += target.status == adit::stereo::FixStatus::kTracked ? 1 : 0;
     return tracked;
   }
+  bool Whole() const { return left_->whole; }
   std::unique_ptr<SecondCore> OpenSecondCore() { return std::make_unique<SecondCore>(pipeline_, *right_); }
 
  private:
@@ -119,7 +124,7 @@ struct Row {
 
 Row MeasureScenario(int lamps) {
   const std::vector<ImagePair> pairs = adit::bench::RenderPairs(kPairs, lamps, 1);
-  Product product(adit::bench::MakeStage());
+  Product product(adit::bench::MakeStage(2), false);
   Row row;
   row.scenario = "lamps_" + std::to_string(lamps);
   std::size_t sink = 0;
@@ -128,12 +133,14 @@ Row MeasureScenario(int lamps) {
     const auto turn = [&](int ahead) -> const ImagePair& {
       return pairs[static_cast<std::size_t>((i + ahead) % kPairs)];
     };
-    const double read_us =
-        TimeUs([&] { sink += adit::bench::ReadAll(turn(0).left) + adit::bench::ReadAll(turn(0).right); });
+    const double read_us = TimeUs([&] {
+      sink += adit::bench::ReadAll(turn(0).left.Pixels()) + adit::bench::ReadAll(turn(0).right.Pixels());
+    });
     const double pair_us = TimeUs([&] { product.OneCore(turn(16)); });
     const int tracked = product.Tracked();
     const double contours_us = TimeUs([&] {
-      sink += adit::bench::SegmentByContours(turn(32).left) + adit::bench::SegmentByContours(turn(32).right);
+      sink += adit::bench::SegmentByContours(turn(32).left.Pixels()) +
+              adit::bench::SegmentByContours(turn(32).right.Pixels());
     });
     if (i < kPairs) continue;  // the first pass fills tables and caches
     row.tracked += tracked, row.sought += 2;
@@ -141,8 +148,8 @@ Row MeasureScenario(int lamps) {
     row.pair_over_read.push_back(pair_us / read_us), row.contours_over_pair.push_back(contours_us / pair_us);
     if (i % kComponentsEvery != 0) continue;
     row.components_us.push_back(TimeUs([&] {
-      sink +=
-          adit::bench::SegmentByComponents(turn(48).left) + adit::bench::SegmentByComponents(turn(48).right);
+      sink += adit::bench::SegmentByComponents(turn(48).left.Pixels()) +
+              adit::bench::SegmentByComponents(turn(48).right.Pixels());
     }));
     row.components_over_pair.push_back(row.components_us.back() / pair_us);
   }
@@ -156,6 +163,38 @@ Row MeasureScenario(int lamps) {
   }
   ADIT_REQUIRE(sink > 0);
   return row;
+}
+
+/// Following: four targets that are known from the pair before, sixty lamps.
+struct Following {
+  double pair_us = 0, read_us = 0;  ///< means: most pairs are cheap, every third is not
+  std::vector<double> whole_us, windows_us;
+  double tracked = 0;  ///< share of the targets
+};
+
+Following MeasureFollowing() {
+  constexpr std::size_t kTargets = 4;
+  constexpr int kLamps = 60;
+  const std::vector<ImagePair> pairs = adit::bench::RenderDrive(kPairs, kLamps, 1);
+  Product product(adit::bench::MakeStage(kTargets), true);
+  Following sums;
+  std::size_t sink = 0;
+  for (int i = 0; i < kPairs * (kPasses + 1); ++i) {
+    const auto turn = [&](int ahead) -> const ImagePair& {
+      return pairs[static_cast<std::size_t>((i + ahead) % kPairs)];
+    };
+    const double read_us = TimeUs([&] {
+      sink += adit::bench::ReadAll(turn(0).left.Pixels()) + adit::bench::ReadAll(turn(0).right.Pixels());
+    });
+    const double pair_us = TimeUs([&] { product.OneCore(turn(kPairs / 2)); });
+    if (i < kPairs) continue;
+    constexpr double kCount = kPairs * kPasses;
+    sums.read_us += read_us / kCount, sums.pair_us += pair_us / kCount;
+    (product.Whole() ? sums.whole_us : sums.windows_us).push_back(pair_us);
+    sums.tracked += product.Tracked() / (kCount * kTargets);
+  }
+  ADIT_REQUIRE(sink > 0);
+  return sums;
 }
 
 std::string Json(const Row& row) {
@@ -188,7 +227,20 @@ int main(int argc, char** argv) {
     std::fflush(stdout);
     json += (lamps == kScenarios[0] ? "" : ",\n") + Json(row);
   }
-  json += "\n]}\n";
+  const Following following = MeasureFollowing();
+  std::printf(
+      "following four targets among 60 lamps: a pair in windows %.0f us, all over %.0f us, mean %.0f us; "
+      "read %.0f us; "
+      "ratio of the means %.2f, %.1f %% tracked\n",
+      Median(following.windows_us), Median(following.whole_us), following.pair_us, following.read_us,
+      following.pair_us / following.read_us, 100 * following.tracked);
+  std::ostringstream tail;
+  tail << "\n],\n\"following\": {\"targets\": 4, \"lamps\": 60, \"pair_us\": " << following.pair_us
+       << ", \"read_us\": " << following.read_us << ", \"windows_us\": " << Median(following.windows_us)
+       << ", \"whole_us\": " << Median(following.whole_us)
+       << ", \"pair_over_read\": " << following.pair_us / following.read_us
+       << ", \"tracked\": " << following.tracked << "}}\n";
+  json += tail.str();
   if (argc < 2) return 0;
   std::ofstream file(argv[1]);
   file << json;

@@ -35,7 +35,7 @@ __attribute__((target("avx2"))) std::uint8_t ReadAvx2(const std::uint8_t* pixels
 
 }  // namespace
 
-std::uint8_t ReadAll(const std::vector<std::uint8_t>& pixels) {
+std::uint8_t ReadAll(std::span<const std::uint8_t> pixels) {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx2")) return ReadAvx2(pixels.data(), pixels.size());
 #endif

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+#include <span>
 
 namespace adit::bench {
 
 /// The brightest pixel, by the widest instructions of this machine.
-std::uint8_t ReadAll(const std::vector<std::uint8_t>& pixels);
+std::uint8_t ReadAll(std::span<const std::uint8_t> pixels);
 
 }  // namespace adit::bench

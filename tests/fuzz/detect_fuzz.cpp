@@ -108,7 +108,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const bool overlap = data[2] >= 250;
   if (overlap) image.stride_bytes = row_bytes - 1;
   static const auto blobs = std::make_unique<BlobSet>();
-  camera.detector->Detect(frame, *blobs);
+  camera.detector->Detect(frame, {}, *blobs);
   const bool refused = overlap || image.bits < 8 || image.bits > 12;
   ADIT_REQUIRE(refused == (blobs->stamp.status != FrameStatus::kOk));
   ADIT_REQUIRE(!refused || blobs->blobs.empty());

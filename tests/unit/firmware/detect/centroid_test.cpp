@@ -22,6 +22,10 @@ using adit::detect::SpotMoments;
 
 const PixelNoise kNoise{1.5, 40, 8};
 
+adit::detect::Window WholeOf(const ImageView& image) {
+  return {0, 0, image.width_px - 1, image.height_px - 1};
+}
+
 ImageView ViewOf(const cv::Mat& image) {
   return {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step),
           image.elemSize() == 1 ? 8 : 12};
@@ -40,7 +44,7 @@ struct Pair {
 
 std::vector<Pair> PairsOf(const cv::Mat& image, int threshold) {
   static auto components = std::make_unique<Components>();
-  CHECK(components->Segment(ViewOf(image), threshold));
+  CHECK(components->Segment(ViewOf(image), WholeOf(ViewOf(image)), threshold));
   std::vector<Pair> pairs;
   for (const auto& c : components->All()) {
     Pair& pair = pairs.emplace_back(
@@ -126,7 +130,7 @@ TEST(SpotMoments, DoNotDependOnTheirOriginOrTheOrderOfTheRuns) {
   constexpr int kThreshold = 20;
   const cv::Mat image = Slanted();
   Components components;
-  CHECK(components.Segment(ViewOf(image), kThreshold));
+  CHECK(components.Segment(ViewOf(image), WholeOf(ViewOf(image)), kThreshold));
   LONGS_EQUAL(1, components.All().size());
   SpotMoments near({11, 12}, kThreshold, kNoise), far({-300, 700}, kThreshold, kNoise);
   std::vector<Run> runs;

@@ -21,6 +21,10 @@ using adit::detect::Run;
 
 constexpr int kThreshold = 100;
 
+adit::detect::Window WholeOf(const ImageView& image) {
+  return {0, 0, image.width_px - 1, image.height_px - 1};
+}
+
 ImageView ViewOf(const cv::Mat& image) {
   return {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step),
           image.elemSize() == 1 ? 8 : 12};
@@ -44,7 +48,7 @@ Facts ByOpenCv(const cv::Mat& image) {
 
 Facts ByAdit(const cv::Mat& image) {
   static auto components = std::make_unique<Components>();
-  CHECK(components->Segment(ViewOf(image), kThreshold));
+  CHECK(components->Segment(ViewOf(image), WholeOf(ViewOf(image)), kThreshold));
   Facts facts;
   for (const auto& c : components->All()) {
     facts.emplace_back(static_cast<int>(c.area_px), c.x_min_px, c.y_min_px, c.x_max_px, c.y_max_px);
@@ -120,7 +124,7 @@ TEST(Components, TheirRunsAreTheirPixelsEachOnce_Seeds4To6) {
   unsigned seed = 3;
   for (const double share : {0.3, 0.45, 0.8}) {
     const cv::Mat image = Noise(200, 100, share, ++seed);
-    CHECK(components->Segment(ViewOf(image), kThreshold));
+    CHECK(components->Segment(ViewOf(image), WholeOf(ViewOf(image)), kThreshold));
     cv::Mat labels, seen(image.size(), CV_32S, cv::Scalar(0));
     cv::connectedComponents(image > kThreshold, labels, 8, CV_32S);
     for (const auto& c : components->All()) {
@@ -142,19 +146,38 @@ TEST(Components, TheirRunsAreTheirPixelsEachOnce_Seeds4To6) {
 
 TEST(Components, ComeInTheOrderOfTheirFirstPixels_Seed7) {
   auto components = std::make_unique<Components>();
-  CHECK(components->Segment(ViewOf(Noise(200, 100, 0.4, 7)), kThreshold));
+  CHECK(components->Segment(ViewOf(Noise(200, 100, 0.4, 7)), WholeOf(ViewOf(Noise(200, 100, 0.4, 7))),
+                            kThreshold));
   const auto all = components->All();
   CHECK(all.size() > 20);
   for (std::size_t i = 1; i < all.size(); ++i) CHECK(all[i].y_min_px >= all[i - 1].y_min_px);
+}
+
+TEST(Components, InAWindowTheyAreThoseOfTheImageCutOutInTheImagesPlaces_Seed8) {
+  auto components = std::make_unique<Components>();
+  const cv::Mat image = Noise(300, 120, 0.35, 8);
+  for (const cv::Rect cut : {cv::Rect(0, 0, 300, 120), cv::Rect(17, 9, 64, 40), cv::Rect(150, 50, 150, 70),
+                             cv::Rect(299, 119, 1, 1), cv::Rect(100, 30, 129, 1)}) {
+    const adit::detect::Window window{cut.x, cut.y, cut.x + cut.width - 1, cut.y + cut.height - 1};
+    CHECK(components->Segment(ViewOf(image), window, kThreshold));
+    Facts facts;
+    for (const auto& c : components->All()) {
+      facts.emplace_back(static_cast<int>(c.area_px), c.x_min_px - cut.x, c.y_min_px - cut.y,
+                         c.x_max_px - cut.x, c.y_max_px - cut.y);
+    }
+    std::sort(facts.begin(), facts.end());
+    CHECK(facts == ByOpenCv(image(cut)));
+  }
 }
 
 TEST(Components, TooManyRunsGiveNoneAtAll) {
   cv::Mat stripes(1024, 1400, CV_8U, cv::Scalar(0));
   for (int x = 0; x < 1400; x += 2) stripes.col(x).setTo(255);
   auto components = std::make_unique<Components>();
-  CHECK(!components->Segment(ViewOf(stripes), kThreshold));
+  CHECK(!components->Segment(ViewOf(stripes), WholeOf(ViewOf(stripes)), kThreshold));
   LONGS_EQUAL(0, components->All().size());
-  CHECK(components->Segment(ViewOf(Noise(64, 64, 0.1, 1)), kThreshold));
+  CHECK(
+      components->Segment(ViewOf(Noise(64, 64, 0.1, 1)), WholeOf(ViewOf(Noise(64, 64, 0.1, 1))), kThreshold));
   CHECK(!components->All().empty());
 }
 

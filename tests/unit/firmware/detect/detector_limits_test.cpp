@@ -84,7 +84,7 @@ Errors Measure(const Kind& kind, unsigned seed) {
       image.Add(spots.back());
     }
     image.Expose(kind.noise, &random);
-    detector.Detect(image.Frame(), *out);
+    detector.Detect(image.Frame(), {}, *out);
     for (const RenderedSpot& spot : spots) {
       const Blob* const blob = Nearest(*out, spot);
       if (i == 0)
@@ -118,7 +118,7 @@ TEST_GROUP(DetectorLimits) {
     image.Background(kBackgroundDn);
     for (const RenderedSpot& spot : spots) image.Add(spot);
     image.Expose({}, nullptr);
-    Detector(Pinhole(), {}).Detect(image.Frame(), *out);
+    Detector(Pinhole(), {}).Detect(image.Frame(), {}, *out);
   }
 };
 
@@ -226,7 +226,7 @@ TEST(DetectorLimits, AnImageWithMoreRunsThanThereIsRoomForHasNoBlobs) {
   adit::base::CameraFrame frame;
   frame.image = {pixels.data(), kWide, kHigh, kWide, 8};
   Detector detector(Pinhole(kWide, kHigh), {});
-  detector.Detect(frame, *out);
+  detector.Detect(frame, {}, *out);
   static_assert(static_cast<std::size_t>(kWide) / 2 * kHigh > Components::kMaxRuns);
   LONGS_EQUAL(0, out->blobs.size());
   LONGS_EQUAL(1, out->rejects.no_room);
@@ -234,7 +234,7 @@ TEST(DetectorLimits, AnImageWithMoreRunsThanThereIsRoomForHasNoBlobs) {
   // The next image is detected as if nothing had been.
   std::fill(pixels.begin(), pixels.end(), std::uint8_t{10});
   for (std::size_t y = 500; y < 504; ++y) std::memset(&pixels[y * kWide + 700], 200, 4);
-  detector.Detect(frame, *out);
+  detector.Detect(frame, {}, *out);
   LONGS_EQUAL(1, out->blobs.size());
   LONGS_EQUAL(0, out->rejects.no_room);
   CHECK((out->blobs[0].raw_px - Eigen::Vector2d(701.5, 501.5)).norm() < 1e-9);
@@ -247,12 +247,12 @@ TEST(DetectorLimits, RowsThatOverlapAreRefused) {
     image.Expose({}, nullptr);
     Detector detector(Pinhole(), {});
     auto frame = image.Frame();
-    detector.Detect(frame, *out);
+    detector.Detect(frame, {}, *out);
     LONGS_EQUAL(1, out->blobs.size());
     for (const std::ptrdiff_t stride_bytes :
          {frame.image.stride_bytes - 1, std::ptrdiff_t{0}, std::ptrdiff_t{-400}}) {
       frame.image.stride_bytes = stride_bytes;
-      detector.Detect(frame, *out);
+      detector.Detect(frame, {}, *out);
       CHECK(FrameStatus::kWrongSize == out->stamp.status);
       LONGS_EQUAL(0, out->blobs.size());
     }
@@ -266,7 +266,7 @@ TEST(DetectorLimits, NothingIsBrighterThanAGroundNearFullScale_Seed34) {
     image.Background(level_dn);
     image.Add({200, 160});
     image.Expose({}, &random);
-    Detector(Pinhole(), {}).Detect(image.Frame(), *out);
+    Detector(Pinhole(), {}).Detect(image.Frame(), {}, *out);
     LONGS_EQUAL(0, out->blobs.size());
     CHECK(out->threshold_dn <= 255);
   }
@@ -280,7 +280,7 @@ TEST(DetectorLimits, PixelsBeyondTheirDepthAreNotAllBright) {
   image.Expose({}, nullptr);
   auto frame = image.Frame();
   frame.image.bits = 10;
-  Detector(Pinhole(), {}).Detect(frame, *out);
+  Detector(Pinhole(), {}).Detect(frame, {}, *out);
   CHECK(out->background_dn > 1023);
   CHECK(out->threshold_dn > out->background_dn);
   LONGS_EQUAL(1, out->blobs.size());
@@ -302,7 +302,7 @@ TEST(DetectorLimits, TheHeapStaysUntouchedWhateverTheImage_Seed35) {
   std::size_t blobs = 0, surplus_lamps = 0;
   before = adit::support::AllocationCount();
   for (const RenderedImage* const image : {&noise, &lamps, &dark, &lamps}) {
-    detector.Detect(image->Frame(), *out);
+    detector.Detect(image->Frame(), {}, *out);
     blobs += out->blobs.size();
     if (image == &lamps) surplus_lamps += out->rejects.no_room;
   }

@@ -76,7 +76,7 @@ Errors Measure(double peak_dn, double sigma_px, int images, unsigned seed) {
     const auto spots = Grid(random, peak_dn, sigma_px);
     for (const RenderedSpot& spot : spots) image.Add(spot);
     image.Expose(kNoiseA, &random);
-    detector.Detect(image.Frame(), *out);
+    detector.Detect(image.Frame(), {}, *out);
     for (const RenderedSpot& spot : spots) {
       const Blob* const blob = Nearest(*out, spot);
       if (blob == nullptr) {
@@ -110,7 +110,7 @@ TEST_GROUP(Detector) {
     for (const RenderedSpot& spot : spots) image.Add(spot);
     std::mt19937 random(1);
     image.Expose(kNoiseA, &random);
-    Detector(Pinhole(), {}).Detect(image.Frame(), *out);
+    Detector(Pinhole(), {}).Detect(image.Frame(), {}, *out);
   }
 };
 
@@ -134,7 +134,7 @@ TEST(Detector, CentroidsWithoutNoiseAreWithinTwoHundredthsOfAPixel) {
   const auto spots = Grid(random, 200, 1.6);
   for (const RenderedSpot& spot : spots) image.Add(spot);
   image.Expose(kNoiseA, nullptr);
-  Detector(Pinhole(), {}).Detect(image.Frame(), *out);
+  Detector(Pinhole(), {}).Detect(image.Frame(), {}, *out);
   for (const RenderedSpot& spot : spots) {
     const Blob* const blob = Nearest(*out, spot);
     CHECK(blob != nullptr);
@@ -162,7 +162,7 @@ TEST(Detector, CountsWhatItLeavesOut) {
   for (int i = 0; i < 12; ++i) image.Add({300 + 1.5 * i, 60, 1.3, 90});  // a lit edge
   image.Add({320, 250, 1.6, 200});                                       // an LED
   image.Expose(kNoiseA, nullptr);
-  Detector(Pinhole(), {}).Detect(image.Frame(), *out);
+  Detector(Pinhole(), {}).Detect(image.Frame(), {}, *out);
   LONGS_EQUAL(1, out->blobs.size());
   LONGS_EQUAL(1, out->rejects.too_small);
   LONGS_EQUAL(1, out->rejects.too_large);
@@ -178,7 +178,7 @@ TEST(Detector, TwelveBitsGiveTheSameCentroidsAsEight) {
     image.Background(kBackgroundDn);
     image.Add(spot);
     image.Expose(kNoiseA, nullptr);
-    Detector(Pinhole(), {}).Detect(image.Frame(), *out);
+    Detector(Pinhole(), {}).Detect(image.Frame(), {}, *out);
     LONGS_EQUAL(1, out->blobs.size());
     return out->blobs[0];
   };
@@ -196,7 +196,7 @@ TEST(Detector, RefusesWhatItCannotRead) {
   image.Add({200, 160, 1.6, 200});
   image.Expose(kNoiseA, nullptr);
   const auto status = [&](const CameraFrame& frame) {
-    Detector(Pinhole(), {}).Detect(frame, *out);
+    Detector(Pinhole(), {}).Detect(frame, {}, *out);
     LONGS_EQUAL(0, out->blobs.size());
     return out->stamp.status;
   };
@@ -223,7 +223,7 @@ TEST(Detector, MoreSpotsThanItKeepsAreCounted) {
   for (int row = 0; row < 30; ++row)
     for (int column = 0; column < 30; ++column) image.Add({20 + 20.0 * column, 20 + 20.0 * row, 1.5, 150});
   image.Expose(kNoiseA, nullptr);
-  Detector(Pinhole(kSide, kSide), {}).Detect(image.Frame(), *out);
+  Detector(Pinhole(kSide, kSide), {}).Detect(image.Frame(), {}, *out);
   LONGS_EQUAL(adit::detect::kMaxBlobs, out->blobs.size());
   LONGS_EQUAL(900 - adit::detect::kMaxBlobs, out->rejects.no_room);
 }
@@ -237,7 +237,7 @@ TEST(Detector, UndistortsPlaceAndCovariance) {
   image.Background(kBackgroundDn);
   image.Add(spot);
   image.Expose(kNoiseA, nullptr);
-  Detector(camera, {}).Detect(image.Frame(), *out);
+  Detector(camera, {}).Detect(image.Frame(), {}, *out);
   LONGS_EQUAL(1, out->blobs.size());
   const Blob blob = out->blobs[0];
   // r' = r (1 + k1 r^2), inverted by bisection along the ray from the centre.
@@ -251,7 +251,7 @@ TEST(Detector, UndistortsPlaceAndCovariance) {
   CHECK((blob.ideal_px - ideal_px).norm() < 1e-9);
   // Barrel: the corner is stretched when it is undone, along the ray by 1 / (1 + 3 k1 r^2).
   const double stretch = 1 / (1 - 3 * 0.2 * low * low);
-  Detector(Pinhole(), {}).Detect(image.Frame(), *out);
+  Detector(Pinhole(), {}).Detect(image.Frame(), {}, *out);
   const Eigen::Vector2d along = ray.normalized();
   const double plain_px2 = along.dot(out->blobs[0].covariance_px2 * along);
   DOUBLES_EQUAL(stretch * stretch, along.dot(blob.covariance_px2 * along) / plain_px2, 1e-6);
@@ -266,7 +266,7 @@ TEST(Detector, AllocatesNothingAfterItsConstruction) {
   image.Expose(kNoiseA, &random);
   Detector detector(Pinhole(), {});
   const std::uint64_t before = adit::support::AllocationCount();
-  detector.Detect(image.Frame(), *out);
+  detector.Detect(image.Frame(), {}, *out);
   const std::uint64_t after = adit::support::AllocationCount();
   LONGS_EQUAL(56, out->blobs.size());
   LONGS_EQUAL(before, after);

@@ -100,13 +100,25 @@ DemoFinding PairFinding(const std::vector<pipeline::TrackRow>& track) {
           rate_hz >= kRateShare * kRateHz};
 }
 
-void AddFlow(const StatusWords& status, const DemoRun& run, std::vector<DemoFinding>& findings) {
-  double lost = NumberOf(status, "unpaired") + NumberOf(status, "log_dropped");
+/// Names the counters of what was lost: where it went wrong is in which of them rose.
+DemoFinding LostFinding(const StatusWords& status) {
+  double lost = 0;
+  std::string where;
+  const auto add = [&](const std::string& key) {
+    const double count = NumberOf(status, key);
+    lost += count;
+    if (count > 0) where += (where.empty() ? ": " : ", ") + key + Figure(" %.0f", count);
+  };
+  add("unpaired");
+  add("log_dropped");
   for (const char* side : {"left.", "right."}) {
-    for (const char* count : {"missed", "incomplete", "shed"})
-      lost += NumberOf(status, std::string(side) + count);
+    for (const char* count : {"missed", "incomplete", "shed"}) add(std::string(side) + count);
   }
-  findings.push_back({"images lost", Figure("%.0f", lost), "0", lost == 0});
+  return {"images lost", Figure("%.0f", lost) + where, "0", lost == 0};
+}
+
+void AddFlow(const StatusWords& status, const DemoRun& run, std::vector<DemoFinding>& findings) {
+  findings.push_back(LostFinding(status));
   const auto latency = [&](const char* what, const char* key) {
     findings.push_back(
         {what, Figure("p50 %.2f ms, p99 %.2f ms", NumberOf(status, key, 0), NumberOf(status, key, 1)), "",

@@ -143,9 +143,8 @@ base::Result<void> Box::OpenOutputs() {
 
 base::Result<void> Box::Start() {
   if (auto open = OpenOutputs(); !open) return open.error();
-  for (hal::Camera* camera : {left_camera_.get(), right_camera_.get()}) {
-    if (auto start = camera->Start(); !start) return start.error();
-  }
+  // Against the way of the data, the cameras last: a frame that comes finds everyone awake, and no page of
+  // memory or thread is still to be made while frames wait.
   if (config_.realtime.lock_memory) board::LockMemory();
   const PublisherSources sources{pair_loop_->ToPublisher(), *left_, *right_};
   publisher_ = std::make_unique<Publisher>(publisher_options_, sources, *map_, bus_.get());
@@ -158,7 +157,9 @@ base::Result<void> Box::Start() {
   if (track_log_.IsOpen()) track_log_.Start(pair_loop_->ToLog());
   pair_loop_->Start(
       thread(0), {*left_, *right_, publisher_->Wake(), track_log_.IsOpen() ? &track_log_.Wake() : nullptr});
+  if (auto start = left_camera_->Start(); !start) return start.error();
   left_->Start(thread(0));
+  if (auto start = right_camera_->Start(); !start) return start.error();
   right_->Start(thread(1));
   start_monotonic_ns_ = status_monotonic_ns_ = board::MonotonicNs();
   return {};

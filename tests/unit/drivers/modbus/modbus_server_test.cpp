@@ -28,8 +28,9 @@ class Echo final : public hal::RequestHandler {
 };
 
 Bytes Request(std::uint8_t transaction, std::uint8_t function = 4, std::size_t data = 4) {
-  Bytes bytes{0x77, transaction, 0, 0, 0, static_cast<std::uint8_t>(2 + data), 1, function};
-  bytes.resize(bytes.size() + data, transaction);
+  const Bytes header{0x77, transaction, 0, 0, 0, static_cast<std::uint8_t>(2 + data), 1, function};
+  Bytes bytes(header.size() + data, transaction);
+  std::ranges::copy(header, bytes.begin());
   return bytes;
 }
 

@@ -13,7 +13,7 @@ target_compile_options(adit_options INTERFACE
   # there are none; ASan and UBSan look at the same code.
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>
   # The same sums on every machine of an architecture: no fused multiply-add where it happens to be available.
-  -ffp-contract=off)
+  -ffp-contract=off -pthread)
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
   # The oldest box we support; wider instructions are chosen at run time.
   target_compile_options(adit_options INTERFACE -march=x86-64-v2)

@@ -66,6 +66,17 @@ void Paint(std::vector<std::uint8_t>& pixels, const ImageView& image, Bytes byte
   }
 }
 
+/// Up to three windows, which a plan would clip to the image in the same way; mostly none: the whole image.
+adit::detect::Windows WindowsOf(std::uint8_t choice, Bytes bytes, const ImageView& image) {
+  adit::detect::Windows windows;
+  for (int i = choice >> 6; i > 0 && bytes.size() >= 4; --i, bytes = bytes.subspan(4)) {
+    const int x_px = bytes[0] % image.width_px, y_px = bytes[1] % image.height_px;
+    adit::detect::Add(windows, {x_px, y_px, std::min(x_px + bytes[2], image.width_px - 1),
+                                std::min(y_px + bytes[3], image.height_px - 1)});
+  }
+  return windows;
+}
+
 void CheckBlob(const Blob& blob, const BlobSet& set, const ImageView& image) {
   // Nothing that touches a border, and the centroid in its box.
   ADIT_REQUIRE(0 < blob.x_min_px && blob.x_min_px <= blob.x_max_px && blob.x_max_px < image.width_px - 1);
@@ -108,7 +119,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const bool overlap = data[2] >= 250;
   if (overlap) image.stride_bytes = row_bytes - 1;
   static const auto blobs = std::make_unique<BlobSet>();
-  camera.detector->Detect(frame, {}, *blobs);
+  camera.detector->Detect(frame, WindowsOf(data[1], rest, image), *blobs);
   const bool refused = overlap || image.bits < 8 || image.bits > 12;
   ADIT_REQUIRE(refused == (blobs->stamp.status != FrameStatus::kOk));
   ADIT_REQUIRE(!refused || blobs->blobs.empty());

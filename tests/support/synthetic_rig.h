@@ -28,7 +28,7 @@ struct SyntheticRig {
                            Eigen::AngleAxisd(-0.007, Eigen::Vector3d::UnitX()) *
                            Eigen::AngleAxisd(2 * toe_rad, Eigen::Vector3d::UnitY()))
                               .toRotationMatrix();
-    const Eigen::Vector3d centre_m(baseline_m * std::cos(toe_rad), 0.05, -baseline_m * std::sin(toe_rad));
+    const Eigen::Vector3d centre_m(baseline_m * std::cos(toe_rad), 0.05, baseline_m * std::sin(toe_rad));
     rig.right_translation_m = -(rig.right_from_left * centre_m);
     return rig;
   }

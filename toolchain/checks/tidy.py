@@ -3,6 +3,7 @@ import concurrent.futures
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tree
@@ -12,23 +13,34 @@ import tree
 TEST_CHECKS = "--checks=-*,readability-identifier-naming,readability-function-size"
 
 
-def check(build, path, more):
-    done = subprocess.run(["clang-tidy", "--quiet", "--extra-arg=-Wno-unknown-warning-option", "-p", str(build), *more, path], capture_output=True, text=True)
+def check(commands, path, more):
+    done = subprocess.run(["clang-tidy", "--quiet", "--extra-arg=-Wno-unknown-warning-option", "-p", str(commands), *more, path], capture_output=True, text=True)
     lines = [line for line in done.stdout.splitlines() if "error:" in line or "warning:" in line]
     if done.returncode != 0 and not lines:
         lines = [f"{path}: clang-tidy failed: {done.stderr.strip()[:500]}"]
     return lines
 
 
+def without_precompiled(build):
+    """A folder with the compile commands as they are without precompiled headers, so that each source must name what it uses."""
+    commands = json.loads(pathlib.Path(build, "compile_commands.json").read_text())
+    for entry in commands:
+        entry["command"] = re.sub(r" -Winvalid-pch -include \S*cmake_pch\S*", "", entry["command"])
+    folder = build / "tidy"
+    folder.mkdir(exist_ok=True)
+    (folder / "compile_commands.json").write_text(json.dumps(commands))
+    return folder, {entry["file"] for entry in commands if "cmake_pch" not in entry["file"]}
+
+
 def main(root, build, only):
     root, build = pathlib.Path(root).resolve(), pathlib.Path(build).resolve()
     # Where the build joins sources into unity files, these are read: each header once instead of ten times.
-    compiled = {entry["file"] for entry in json.loads(pathlib.Path(build, "compile_commands.json").read_text())}
+    commands, compiled = without_precompiled(build)
     files = sorted(path for path in compiled if not only or any(o in path for o in only))
     tests = str(root / "tests") + os.sep
     jobs = [(path, [TEST_CHECKS] if path.startswith(tests) else []) for path in files]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        faults = sorted({line for lines in pool.map(lambda job: check(build, *job), jobs) for line in lines})
+        faults = sorted({line for lines in pool.map(lambda job: check(commands, *job), jobs) for line in lines})
     return tree.report("tidy", faults, len(files))
 
 

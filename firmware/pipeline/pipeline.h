@@ -19,8 +19,7 @@ namespace adit::pipeline {
 
 struct PipelineOptions {
   detect::DetectorOptions detector;
-  bool windows =
-      true;  ///< search around the targets that are followed, and all over in every second or third pair
+  bool windows = true;  ///< search around the targets that are followed, and all over now and then
 };
 
 /// All records of one pair. Large (some 100 kB): make it once and reuse it.

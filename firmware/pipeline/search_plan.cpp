@@ -10,12 +10,14 @@ namespace {
 // 50 m/s^2 of the machine, five times gravity.
 constexpr float kMarginPx = 8;
 constexpr float kAccelerationMPerS2 = 50;
-// Windows are as wide as rows are scanned at a time, 64 px: narrower ones would cost more.
-constexpr float kLeastAsidePx = 31.5;
+// Windows are at least as wide as the narrowest rows that are scanned at once, 32 px.
+constexpr float kLeastAsidePx = 15.5;
 // Older than this a place says nothing.
 constexpr base::DurationNs kOldNs = 100 * base::kNsPerMs;
-// Pairs between two that are searched all over: while every target is followed, and while one is missing.
-constexpr int kPairsApartFollowed = 2, kPairsApartMissing = 1;
+// Pairs between two that are searched all over. While a target is missing, every second one is, so that it is
+// found two pairs late at most. While every target is followed nobody can enter: what is looked for four
+// times a second (at 60 Hz) is whether another place in the image claims to be one of them.
+constexpr int kPairsApartFollowed = 14, kPairsApartMissing = 1;
 
 SeenLed LedOf(const detect::Blob& blob) {
   SeenLed led;

@@ -1,9 +1,14 @@
 #include "tests/bench/bench_frames.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 #include <random>
 
+#include "firmware/base/require.h"
 #include "tests/support/rendered_spots.h"
 #include "tests/support/synthetic_bar.h"
 
@@ -41,10 +46,10 @@ class Light {
     });
   }
   Image Expose(const std::vector<float>& noise, std::size_t offset) const {
-    Image image{linux::AllocateHuge(dn_.size())};
+    Image image;
     for (std::size_t i = 0; i < dn_.size(); ++i) {
       const float value = dn_[i] + noise[(offset + i) % kNoiseLength];
-      image.memory.get()[i] = static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
+      image.Pixels()[i] = static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
     }
     return image;
   }
@@ -99,13 +104,39 @@ ImagePair Expose(const support::SyntheticRig& rig, const std::vector<SyntheticBa
   return pair;
 }
 
+/// Whole pages of either kind.
+constexpr std::size_t kMappedBytes = 2U << 20;
+static_assert(std::size_t{kWidthPx} * kHeightPx <= kMappedBytes);
+
 }  // namespace
+
+void Image::Unmap::operator()(std::uint8_t* memory) const { std::free(memory); }
+
+Image::Image(Pages pages)
+    : memory_(static_cast<std::uint8_t*>(std::aligned_alloc(kMappedBytes, kMappedBytes))) {
+  ADIT_REQUIRE(memory_ != nullptr);
+  // Said both ways: some systems give huge pages unasked.
+  const int advice = pages == Pages::kHuge ? MADV_HUGEPAGE : MADV_NOHUGEPAGE;
+  ADIT_REQUIRE(madvise(memory_.get(), kMappedBytes, advice) == 0);
+  std::memset(memory_.get(), 0, kMappedBytes);
+}
+
+Image::Image(const Image& other, Pages pages) : Image(pages) {
+  std::ranges::copy(other.Pixels(), memory_.get());
+}
+
+std::vector<ImagePair> InPages(const std::vector<ImagePair>& pairs, Pages pages) {
+  std::vector<ImagePair> copies;
+  for (const ImagePair& pair : pairs) copies.push_back({Image(pair.left, pages), Image(pair.right, pages)});
+  return copies;
+}
 
 base::CameraFrame ImagePair::Frame(base::Side side, base::TimeNs time_ns) const {
   base::CameraFrame frame;
   frame.stamp.side = side;
   frame.stamp.mid_exposure_ns = frame.stamp.last_packet_ns = time_ns;
-  frame.image = {(side == base::Side::kLeft ? left : right).memory.get(), kWidthPx, kHeightPx, kWidthPx, 8};
+  frame.image = {(side == base::Side::kLeft ? left : right).Pixels().data(), kWidthPx, kHeightPx, kWidthPx,
+                 8};
   return frame;
 }
 

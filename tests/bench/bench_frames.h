@@ -3,10 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
-#include "drivers/linux/huge_memory.h"
 #include "firmware/base/image.h"
 #include "firmware/identify/model.h"
 #include "firmware/optics/rig.h"
@@ -15,19 +15,32 @@ namespace adit::bench {
 
 inline constexpr int kWidthPx = 1400, kHeightPx = 1024;
 
-/// One image, 8 bit, in memory as the cameras' buffers are.
-struct Image {
-  linux::HugeMemory memory;
+/// What the images lie in: pages of 4 kB, or of 2 MB as the cameras' buffers do where the kernel grants them.
+enum class Pages : std::uint8_t { kOrdinary, kHuge };
 
-  std::span<const std::uint8_t> Pixels() const {
-    return {memory.get(), static_cast<std::size_t>(kWidthPx) * kHeightPx};
-  }
+/// One image, 8 bit.
+class Image {
+ public:
+  explicit Image(Pages pages = Pages::kOrdinary);
+  Image(const Image& other, Pages pages);
+
+  std::span<std::uint8_t> Pixels() { return {memory_.get(), kBytes}; }
+  std::span<const std::uint8_t> Pixels() const { return {memory_.get(), kBytes}; }
+
+ private:
+  static constexpr std::size_t kBytes = std::size_t{kWidthPx} * kHeightPx;
+  struct Unmap {
+    void operator()(std::uint8_t* memory) const;
+  };
+  std::unique_ptr<std::uint8_t, Unmap> memory_;
 };
 
 struct ImagePair {
   Image left, right;
   base::CameraFrame Frame(base::Side side, base::TimeNs time_ns) const;
 };
+/// Copies in other pages.
+std::vector<ImagePair> InPages(const std::vector<ImagePair>& pairs, Pages pages);
 
 /// What all pairs show.
 struct Stage {

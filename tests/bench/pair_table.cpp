@@ -1,6 +1,7 @@
 // What a pair costs beside reading its images and beside OpenCV's segmentation of them: all in one run, in
 // turn, frame by frame, each on another pair, so that all images come from memory. Medians of ratios: the
-// machine's weather cancels. Usage: pair_table [table.json]
+// machine's weather cancels. Once with the images in ordinary pages of memory, once in huge ones. Usage:
+// pair_table [table.json]
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -21,6 +22,8 @@ namespace {
 
 using adit::base::Side;
 using adit::bench::ImagePair;
+using adit::bench::InPages;
+using adit::bench::Pages;
 
 constexpr int kPairs = 64;  // 183 MB: more than any cache holds
 constexpr int kPasses = 8;  // and one before them that is not counted
@@ -122,8 +125,7 @@ struct Row {
   int tracked = 0, sought = 0;
 };
 
-Row MeasureScenario(int lamps) {
-  const std::vector<ImagePair> pairs = adit::bench::RenderPairs(kPairs, lamps, 1);
+Row MeasureScenario(int lamps, const std::vector<ImagePair>& pairs) {
   Product product(adit::bench::MakeStage(2), false);
   Row row;
   row.scenario = "lamps_" + std::to_string(lamps);
@@ -167,16 +169,16 @@ Row MeasureScenario(int lamps) {
 
 /// Following: four targets that are known from the pair before, sixty lamps.
 struct Following {
-  double pair_us = 0, read_us = 0;  ///< means: most pairs are cheap, every third is not
+  double pair_us = 0, read_us = 0;  ///< means: most pairs are cheap, one in fifteen is not
   std::vector<double> whole_us, windows_us;
   double tracked = 0;  ///< share of the targets
 };
 
-Following MeasureFollowing() {
-  constexpr std::size_t kTargets = 4;
-  constexpr int kLamps = 60;
-  const std::vector<ImagePair> pairs = adit::bench::RenderDrive(kPairs, kLamps, 1);
-  Product product(adit::bench::MakeStage(kTargets), true);
+constexpr std::size_t kFollowed = 4;
+constexpr int kLampsFollowing = 60;
+
+Following MeasureFollowing(const std::vector<ImagePair>& pairs) {
+  Product product(adit::bench::MakeStage(kFollowed), true);
   Following sums;
   std::size_t sink = 0;
   for (int i = 0; i < kPairs * (kPasses + 1); ++i) {
@@ -191,7 +193,7 @@ Following MeasureFollowing() {
     constexpr double kCount = kPairs * kPasses;
     sums.read_us += read_us / kCount, sums.pair_us += pair_us / kCount;
     (product.Whole() ? sums.whole_us : sums.windows_us).push_back(pair_us);
-    sums.tracked += product.Tracked() / (kCount * kTargets);
+    sums.tracked += product.Tracked() / (kCount * kFollowed);
   }
   ADIT_REQUIRE(sink > 0);
   return sums;
@@ -211,36 +213,56 @@ std::string Json(const Row& row) {
   return out.str();
 }
 
+std::string Json(const Following& following) {
+  std::ostringstream out;
+  out << "{\"targets\": " << kFollowed << ", \"lamps\": " << kLampsFollowing
+      << ", \"pair_us\": " << following.pair_us << ", \"read_us\": " << following.read_us
+      << ", \"windows_us\": " << Median(following.windows_us)
+      << ", \"whole_us\": " << Median(following.whole_us)
+      << ", \"pair_over_read\": " << following.pair_us / following.read_us
+      << ", \"tracked\": " << following.tracked << "}";
+  return out.str();
+}
+
+void Print(const Row& row) {
+  std::printf("%-10s %9.0f %9.0f %12.0f %11.0f | %10.2f %14.2f %16.1f %9.2f | %d of %d\n",
+              row.scenario.c_str(), Median(row.pair_us), Median(row.read_us), Median(row.contours_us),
+              Median(row.two_us), Median(row.pair_over_read), Median(row.contours_over_pair),
+              Median(row.components_over_pair), Median(row.two_over_one), row.tracked, row.sought);
+  std::fflush(stdout);
+}
+
+void Print(const Following& following) {
+  std::printf(
+      "following %zu targets among %d lamps: a pair in windows %.0f us, all over %.0f us, mean %.0f us; "
+      "read %.0f us; ratio of the means %.2f, %.1f %% tracked\n",
+      kFollowed, kLampsFollowing, Median(following.windows_us), Median(following.whole_us), following.pair_us,
+      following.read_us, following.pair_us / following.read_us, 100 * following.tracked);
+}
+
+/// Prints the table of one kind of pages. Returns its members of the JSON object.
+std::string MeasureIn(Pages pages) {
+  const bool huge = pages == Pages::kHuge;
+  std::printf("images in %s pages\n%-10s %9s %9s %12s %11s | %10s %14s %16s %9s | %s\n",
+              huge ? "huge" : "ordinary", "scenario", "pair us", "read us", "contours us", "2 cores us",
+              "pair/read", "contours/pair", "components/pair", "2/1 cores", "tracked");
+  std::string json = huge ? "\"pairs_huge_pages\": [\n" : "\"pairs\": [\n";
+  for (const int lamps : kScenarios) {
+    const Row row = MeasureScenario(lamps, InPages(adit::bench::RenderPairs(kPairs, lamps, 1), pages));
+    Print(row);
+    json += (lamps == kScenarios[0] ? "" : ",\n") + Json(row);
+  }
+  const Following following =
+      MeasureFollowing(InPages(adit::bench::RenderDrive(kPairs, kLampsFollowing, 1), pages));
+  Print(following);
+  return json + (huge ? "\n],\n\"following_huge_pages\": " : "\n],\n\"following\": ") + Json(following);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::printf("%-10s %9s %9s %12s %11s | %10s %14s %16s %9s | %s\n", "scenario", "pair us", "read us",
-              "contours us", "2 cores us", "pair/read", "contours/pair", "components/pair", "2/1 cores",
-              "tracked");
-  std::string json = "{\"pairs\": [\n";
-  for (const int lamps : kScenarios) {
-    const Row row = MeasureScenario(lamps);
-    std::printf("%-10s %9.0f %9.0f %12.0f %11.0f | %10.2f %14.2f %16.1f %9.2f | %d of %d\n",
-                row.scenario.c_str(), Median(row.pair_us), Median(row.read_us), Median(row.contours_us),
-                Median(row.two_us), Median(row.pair_over_read), Median(row.contours_over_pair),
-                Median(row.components_over_pair), Median(row.two_over_one), row.tracked, row.sought);
-    std::fflush(stdout);
-    json += (lamps == kScenarios[0] ? "" : ",\n") + Json(row);
-  }
-  const Following following = MeasureFollowing();
-  std::printf(
-      "following four targets among 60 lamps: a pair in windows %.0f us, all over %.0f us, mean %.0f us; "
-      "read %.0f us; "
-      "ratio of the means %.2f, %.1f %% tracked\n",
-      Median(following.windows_us), Median(following.whole_us), following.pair_us, following.read_us,
-      following.pair_us / following.read_us, 100 * following.tracked);
-  std::ostringstream tail;
-  tail << "\n],\n\"following\": {\"targets\": 4, \"lamps\": 60, \"pair_us\": " << following.pair_us
-       << ", \"read_us\": " << following.read_us << ", \"windows_us\": " << Median(following.windows_us)
-       << ", \"whole_us\": " << Median(following.whole_us)
-       << ", \"pair_over_read\": " << following.pair_us / following.read_us
-       << ", \"tracked\": " << following.tracked << "}}\n";
-  json += tail.str();
+  std::string json = "{" + MeasureIn(Pages::kOrdinary) + ",\n";
+  json += MeasureIn(Pages::kHuge) + "}\n";
   if (argc < 2) return 0;
   std::ofstream file(argv[1]);
   file << json;

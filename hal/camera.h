@@ -23,7 +23,7 @@ struct CameraHealth {
   std::uint64_t missed = 0;      ///< triggers without a frame (gaps in the frame ids)
   std::uint64_t resent = 0;      ///< packets that came only when asked for again
   std::uint64_t reconnects = 0;  ///< times the camera came back
-  std::uint64_t starved = 0;     ///< frames lost because no buffer was free
+  std::uint64_t starved = 0;     ///< packets that found no buffer free; their frames are among the missed
   bool clock_locked = false;     ///< the timestamps are on the box clock (PTP or simulated)
 };
 

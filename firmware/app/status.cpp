@@ -34,7 +34,8 @@ std::string LaneWords(const char* side, const LaneHealth& lane) {
   return Word((prefix + ".frames").c_str(), lane.frames) +
          Word((prefix + ".missed").c_str(), lane.camera.missed) +
          Word((prefix + ".incomplete").c_str(), lane.camera.incomplete) +
-         Word((prefix + ".shed").c_str(), lane.shed_frames + lane.shed_blob_sets + lane.camera.starved) +
+         Word((prefix + ".shed").c_str(), lane.shed_frames + lane.shed_blob_sets) +
+         Word((prefix + ".starved").c_str(), lane.camera.starved) +
          Word((prefix + ".reconnects").c_str(), lane.camera.reconnects) +
          (lane.gone ? " " + prefix + ".gone" : "");
 }

@@ -1,12 +1,13 @@
 #include "host/intrinsic_calibration.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iomanip>
 #include <map>
 #include <sstream>
+
+#include "host/intrinsics_uncertainty.h"
 
 namespace adit::host {
 namespace {
@@ -19,8 +20,6 @@ constexpr double kSamePosePx = 1;      // rms shift of the corners; a hand does 
 constexpr double kImageMedianMax = 3;  // times the median of all: blur within one series gives up to 2
 constexpr double kCornerSigmaMax = 5;  // of a corner's distance: 4 in a million right ones are farther out
 constexpr double kFinestPx = 0.01;     // no corner is found better; exact test images have no residual at all
-constexpr double kUndeterminedPct = 1;  // of half the diagonal, at the image's corner
-constexpr double kUncertainPx = 1;      // the same in pixels, for a warning
 constexpr double kResidualMaxPx = 1;
 constexpr double kDisagreementSigma = 0.5;
 constexpr double kMedianPerSigma = 1.1774;  // of the length of a plane normal vector (Rayleigh): sqrt(2 ln 2)
@@ -148,67 +147,6 @@ std::size_t RemoveOutlyingCorners(std::vector<BoardView>& views, const Usable& u
   return removed;
 }
 
-/// d raw pixel / d intrinsics for the ray to the image's corner that is farthest from the principal point.
-Eigen::Matrix<double, 2, kIntrinsics> AtImageCorner(const optics::CameraModel& c) {
-  const double u = c.cu_px < c.width_px / 2.0 ? c.width_px : 0,
-               v = c.cv_px < c.height_px / 2.0 ? c.height_px : 0;
-  const Eigen::Vector2d n = c.Normalised({u, v});
-  const double x = n.x(), y = n.y(), r2 = n.squaredNorm();
-  Eigen::Matrix<double, 2, kIntrinsics> jacobian;
-  jacobian << x, 0, 1, 0, c.fu_px * x * r2, c.fu_px * x * r2 * r2, c.fu_px * 2 * x * y,
-      c.fu_px * (r2 + 2 * x * x), 0, y, 0, 1, c.fv_px * y * r2, c.fv_px * y * r2 * r2,
-      c.fv_px * (r2 + 2 * y * y), c.fv_px * 2 * x * y;
-  return jacobian;
-}
-
-/// The inverse of the information, in units of the image corner's movement, so that rounding is judged alike
-/// for focal length and k2. What the images leave open comes out as very large, not as an error.
-IntrinsicMatrix Inverse(const IntrinsicMatrix& information,
-                        const Eigen::Matrix<double, 2, kIntrinsics>& at_corner) {
-  const IntrinsicVector unit = at_corner.colwise().norm().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<IntrinsicMatrix> eigen(unit.asDiagonal() * information *
-                                                             unit.asDiagonal());
-  constexpr double kRounding = 1e-14;
-  const IntrinsicVector values =
-      eigen.eigenvalues().cwiseMax(kRounding * eigen.eigenvalues()[kIntrinsics - 1]);
-  return unit.asDiagonal() * eigen.eigenvectors() * values.cwiseInverse().asDiagonal() *
-         eigen.eigenvectors().transpose() * unit.asDiagonal();
-}
-
-/// Parameters that act as one, and what makes images that determine them.
-struct IntrinsicPair {
-  int first;
-  const char *name, *remedy;
-};
-constexpr std::array<IntrinsicPair, 4> kPairs{{
-    {0, "focal length (fu, fv)", "tilt the board by 30 to 45 degrees, both ways, in several images"},
-    {2, "principal point (cu, cv)", "turn the board by a quarter and tilt it both ways in several images"},
-    {4, "radial distortion (k1, k2)", "bring the board into all corners of the image"},
-    {6, "tangential distortion (p1, p2)", "bring the board into all corners of the image"},
-}};
-
-/// How far one standard deviation of the pair moves the image's corner, px.
-double CornerSigmaPx(const IntrinsicMatrix& covariance, const optics::CameraModel& camera, int first) {
-  const Eigen::Matrix2d effect = AtImageCorner(camera).middleCols<2>(first);
-  const Eigen::Matrix2d moved = effect * covariance.block<2, 2>(first, first) * effect.transpose();
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(moved).eigenvalues()[1]);
-}
-
-/// The first pair that the images leave open, as an error's text; empty if all are determined.
-std::string Undetermined(const IntrinsicMatrix& covariance, const optics::CameraModel& camera) {
-  const double half_px = std::hypot(camera.width_px, camera.height_px) / 2;
-  for (const IntrinsicPair& pair : kPairs) {
-    const double moved_px = CornerSigmaPx(covariance, camera, pair.first);
-    if (moved_px <= kUndeterminedPct / 100 * half_px) continue;
-    return std::string("the images do not determine the ") + pair.name +
-           ": its standard deviation is worth " +
-           (moved_px < half_px ? Digits(moved_px, 1) + " px" : "more than half the image") +
-           " at the image's corner, " + Digits(kUndeterminedPct / 100 * half_px, 1) + " px are allowed; " +
-           pair.remedy;
-  }
-  return "";
-}
-
 void Warn(IntrinsicCalibration& out) {
   std::string missed;
   const CoverageMap coverage = out.Coverage();
@@ -217,12 +155,12 @@ void Warn(IntrinsicCalibration& out) {
     out.warnings.push_back("the board never reached the image's corner " + missed +
                            ": distortion is extrapolated there");
   }
-  for (const IntrinsicPair& pair : kPairs) {
-    const double moved_px = CornerSigmaPx(out.covariance, out.camera, pair.first);
-    if (moved_px > kUncertainPx) {
-      out.warnings.push_back(std::string("one standard deviation of the ") + pair.name + " is worth " +
-                             Digits(moved_px, 1) + " px at the image's corner");
-    }
+  for (std::string& sentence : Uncertain(out.covariance, out.camera))
+    out.warnings.push_back(std::move(sentence));
+  if (out.dispersion > 1) {
+    out.warnings.push_back("the images disagree " + Digits(out.dispersion, 1) +
+                           " times as much as the corners' scatter explains (is the board flat?); sigma is "
+                           "enlarged by that");
   }
   if (out.rms_px > kResidualMaxPx) {
     out.warnings.push_back("the corners miss by " + Digits(out.rms_px, 1) +
@@ -317,11 +255,12 @@ base::Result<IntrinsicCalibration> CalibrateIntrinsics(std::vector<BoardView> vi
   const auto bundle = AdjustIntrinsics(usable.views, robust->camera, poses, std::nullopt);
   if (!bundle) return Error{ErrorCode::kFailed, "", "the adjustment does not converge to a camera"};
   IntrinsicCalibration out = Reported(views, usable, *bundle);
-  const IntrinsicMatrix inverse = Inverse(bundle->information, AtImageCorner(out.camera));
+  const IntrinsicMatrix inverse = InverseInformation(*bundle);
   const double judged_px = std::max(out.sigma0_px, kFinestPx);
   if (const std::string open = Undetermined(judged_px * judged_px * inverse, out.camera); !open.empty())
     return Error{ErrorCode::kFailed, "", open};
-  out.covariance = out.sigma0_px * out.sigma0_px * inverse;
+  out.dispersion = ImageDispersion(*bundle, judged_px);
+  out.covariance = std::pow(out.dispersion * out.sigma0_px, 2) * inverse;
   out.corners_left_out = removed;
   out.opencv = SolveByOpenCv(usable.views, width_px, height_px);
   Warn(out);

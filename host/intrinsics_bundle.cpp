@@ -63,10 +63,11 @@ void BuildIntrinsics(std::span<const BoardView> views, std::span<const BoardPose
   p.ordering->AddElementToGroup(p.intrinsics.data(), 1);
 }
 
-/// Residuals of one view, and what it adds to the reduced normal matrix.
+/// Residuals of one view, and its share of the reduced normal equations.
 void MeasureView(const BoardView& view, const IntrinsicVector& intrinsics,
                  const std::array<double, kBoardPoseSize>& pose, IntrinsicsBundle& out) {
-  IntrinsicMatrix own = IntrinsicMatrix::Zero();
+  ImageShare share;
+  Eigen::Matrix<double, kBoardPoseSize, 1> pose_gradient = Eigen::Matrix<double, kBoardPoseSize, 1>::Zero();
   Eigen::Matrix<double, kBoardPoseSize, kBoardPoseSize> block;
   Eigen::Matrix<double, kBoardPoseSize, kIntrinsics> cross;
   block.setZero();
@@ -84,11 +85,16 @@ void MeasureView(const BoardView& view, const IntrinsicVector& intrinsics,
       continue;
     }
     residuals_px.push_back(residual);
-    own += by_camera.transpose() * by_camera;
+    share.information += by_camera.transpose() * by_camera;
+    share.gradient += by_camera.transpose() * residual;
+    pose_gradient += by_pose.transpose() * residual;
     block += by_pose.transpose() * by_pose;
     cross += by_pose.transpose() * by_camera;
   }
-  out.information += own - cross.transpose() * block.ldlt().solve(cross);
+  const Eigen::LDLT<Eigen::Matrix<double, kBoardPoseSize, kBoardPoseSize>> solver(block);
+  share.information -= cross.transpose() * solver.solve(cross);
+  share.gradient -= cross.transpose() * solver.solve(pose_gradient);
+  out.shares.push_back(share);
   out.residuals_px.push_back(std::move(residuals_px));
 }
 
@@ -98,6 +104,12 @@ IntrinsicVector Intrinsics(const optics::CameraModel& camera) {
   IntrinsicVector all;
   all << camera.fu_px, camera.fv_px, camera.cu_px, camera.cv_px, camera.k1, camera.k2, camera.p1, camera.p2;
   return all;
+}
+
+IntrinsicMatrix IntrinsicsBundle::Information() const {
+  IntrinsicMatrix sum = IntrinsicMatrix::Zero();
+  for (const ImageShare& share : shares) sum += share.information;
+  return sum;
 }
 
 std::optional<IntrinsicsBundle> AdjustIntrinsics(std::span<const BoardView> views,
@@ -128,7 +140,7 @@ std::optional<IntrinsicsBundle> AdjustIntrinsics(std::span<const BoardView> view
         {Eigen::Map<Eigen::Vector3d>(p.poses[i].data()), Eigen::Map<Eigen::Vector3d>(p.poses[i].data() + 3)});
     MeasureView(views[i], p.intrinsics, p.poses[i], out);
   }
-  if (!out.information.allFinite()) return std::nullopt;
+  if (!out.Information().allFinite()) return std::nullopt;
   return out;
 }
 

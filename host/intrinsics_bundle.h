@@ -28,15 +28,23 @@ struct BoardPose {
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
 };
 
+/// What one view says of the intrinsics, its pose eliminated (Schur complement), for corners of 1 px standard
+/// deviation a coordinate: its part of the normal equations at the solution.
+struct ImageShare {
+  IntrinsicMatrix information = IntrinsicMatrix::Zero();
+  IntrinsicVector gradient = IntrinsicVector::Zero();  ///< sums to zero over the views of least squares
+};
+
 struct IntrinsicsBundle {
   optics::CameraModel camera;
   std::vector<BoardPose> poses;  ///< one a view
   /// Model minus measurement of every corner, as the views hold them, px; not finite for a corner that the
   /// solution puts behind the camera.
   std::vector<std::vector<Eigen::Vector2d>> residuals_px;
-  /// Of the intrinsics, all poses eliminated (Schur complement), for corners of 1 px standard deviation a
-  /// coordinate; its inverse times sigma0^2 is their covariance.
-  IntrinsicMatrix information = IntrinsicMatrix::Zero();
+  std::vector<ImageShare> shares;  ///< one a view
+
+  /// What all views say of the intrinsics: its inverse times sigma0^2 is their covariance.
+  IntrinsicMatrix Information() const;
 };
 
 /// Minimises over 8 + 6 n parameters from `start` (Ceres, Schur complement on the poses), with Brown's

@@ -60,7 +60,8 @@ std::string FormatIntrinsics(const IntrinsicCalibration& c) {
   text << std::setprecision(6) << "quality:\n  images_seen: " << c.images.size()
        << "\n  images_used: " << c.ImagesUsed() << "\n  corners_used: " << c.corners
        << "\n  corners_left_out: " << c.corners_left_out << "\n  rms_px: " << c.rms_px
-       << "\n  sigma0_px: " << c.sigma0_px << "\n  coverage_pct: " << c.Coverage().Pct()
+       << "\n  sigma0_px: " << c.sigma0_px << "\n  dispersion: " << c.dispersion
+       << "\n  coverage_pct: " << c.Coverage().Pct()
        << "  # of 8 x 6 cells\n  reach_pct: " << 100 * c.Coverage().Reach() << "  # of half the diagonal\n";
   return text.str();
 }

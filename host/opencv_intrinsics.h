@@ -21,12 +21,13 @@ std::optional<IntrinsicsStart> StartIntrinsics(std::span<const BoardView> views,
 
 struct OpenCvIntrinsics {
   optics::CameraModel camera;
-  IntrinsicVector sigma = IntrinsicVector::Zero();  ///< as OpenCV states them
+  IntrinsicVector sigma = IntrinsicVector::Zero();  ///< as OpenCV states them, see SolveByOpenCv
   double rms_px = 0;                                ///< of corners, both coordinates together
 };
 
 /// cv::calibrateCamera with its own start on the same corners, for the same model (k3 fixed at 0). Declines
-/// where OpenCV throws.
+/// where OpenCV throws. The standard deviations that OpenCV 4.6 states take one residual a corner for one a
+/// coordinate: for N corners and p parameters they are too large by sqrt((2 N - p) / (N - p)), above sqrt(2).
 std::optional<OpenCvIntrinsics> SolveByOpenCv(std::span<const BoardView> views, int width_px, int height_px);
 
 }  // namespace adit::host

@@ -18,3 +18,8 @@ foreach(module calib3d imgcodecs imgproc core)
   find_library(OPENCV_${module} opencv_${module} REQUIRED)
   target_link_libraries(adit_opencv INTERFACE ${OPENCV_${module}})
 endforeach()
+
+# Markers of ChArUco boards, for the workstation alone.
+find_library(OPENCV_ARUCO opencv_aruco REQUIRED)
+add_library(adit_opencv_aruco INTERFACE)
+target_link_libraries(adit_opencv_aruco INTERFACE ${OPENCV_ARUCO} adit_opencv)

@@ -264,7 +264,8 @@ base::Result<Calibration> Calibrate(const CalibrationInput& input, const Calibra
                                  "bars agree on one epipolar geometry"));
   }
   const auto start = ScaledPose(input, *consensus, similar);
-  if (!start) return Refusal(input, "no relative pose has the bars in front of both cameras");
+  if (!start)
+    return Refusal(input, "no relative pose has the bars in front of both cameras; is one image mirrored?");
   std::vector<StereoBar> agreed;
   for (const std::size_t i : consensus->bars) agreed.push_back(similar[i]);
   const auto fit = Refine(input, *start, Place(input, *start, agreed), options.bars_min);

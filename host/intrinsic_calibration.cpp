@@ -170,8 +170,9 @@ void Warn(IntrinsicCalibration& out) {
     out.warnings.push_back("OpenCV finds no solution for these corners");
     return;
   }
+  const double exact = std::max(1.0, kFinestPx / out.sigma0_px);  // OpenCV rounds corners to 32 bit
   const IntrinsicVector apart =
-      (Intrinsics(out.camera) - Intrinsics(out.opencv->camera)).cwiseAbs().cwiseQuotient(out.Sigma());
+      (Intrinsics(out.camera) - Intrinsics(out.opencv->camera)).cwiseAbs().cwiseQuotient(exact * out.Sigma());
   int worst = 0;
   if (apart.maxCoeff(&worst) > kDisagreementSigma) {
     out.warnings.push_back("OpenCV's solution differs by " + Digits(apart[worst], 1) + " sigma in " +

@@ -19,7 +19,8 @@ foreach(module calib3d imgcodecs imgproc core)
   target_link_libraries(adit_opencv INTERFACE ${OPENCV_${module}})
 endforeach()
 
-# Markers of ChArUco boards, for the workstation alone.
+# Markers of ChArUco boards, for the workstation alone. Debian has them only among all contributed modules
+# (330 MB installed).
 find_library(OPENCV_ARUCO opencv_aruco REQUIRED)
 add_library(adit_opencv_aruco INTERFACE)
 target_link_libraries(adit_opencv_aruco INTERFACE ${OPENCV_ARUCO} adit_opencv)

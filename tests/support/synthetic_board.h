@@ -20,8 +20,10 @@ inline optics::CameraModel BoardCamera() {
 
 inline host::Board SyntheticBoard() { return *host::ParseBoard("9x6", 0.04); }
 
+/// How a board is held.
 struct SyntheticPose {
   cv::Vec3d rotation_rad, translation_m;
+  double bow_m = 0;  ///< by which its middle stands off the plane of its ends
 };
 
 /// Rotation about the image's x, then y, then the axis; the middle of the board stands at `middle_m`.
@@ -51,14 +53,14 @@ inline std::vector<SyntheticPose> HeldBoards(const host::Board& board, std::size
   return poses;
 }
 
-/// Corners of a board that may be bent by `bow_m` along its rows, with Gaussian noise.
+/// Corners with Gaussian noise.
 inline host::BoardView Seen(const host::Board& board, const optics::CameraModel& c, const SyntheticPose& pose,
-                            double noise_px, std::mt19937_64& random, double bow_m = 0) {
+                            double noise_px, std::mt19937_64& random) {
   std::vector<cv::Point3d> points;
   for (int id = 0; id < board.Corners(); ++id) {
     const Eigen::Vector2d place_m = board.CornerM(id);
     const double along = 2 * place_m.x() / ((board.columns - 1) * board.square_m) - 1;
-    points.emplace_back(place_m.x(), place_m.y(), bow_m * (1 - along * along));
+    points.emplace_back(place_m.x(), place_m.y(), pose.bow_m * (1 - along * along));
   }
   const cv::Matx33d k(c.fu_px, 0, c.cu_px, 0, c.fv_px, c.cv_px, 0, 0, 1);
   std::vector<cv::Point2d> pixels;
@@ -76,10 +78,10 @@ inline host::BoardView Seen(const host::Board& board, const optics::CameraModel&
 
 /// Views named "0", "1", ... of held boards.
 inline std::vector<host::BoardView> SeenBoards(const host::Board& board, std::size_t count, double noise_px,
-                                               std::mt19937_64& random, double bow_m = 0) {
+                                               std::mt19937_64& random) {
   std::vector<host::BoardView> views;
   for (const SyntheticPose& pose : HeldBoards(board, count, 0.7, random)) {
-    views.push_back(Seen(board, BoardCamera(), pose, noise_px, random, bow_m));
+    views.push_back(Seen(board, BoardCamera(), pose, noise_px, random));
     views.back().image = std::to_string(views.size() - 1);
   }
   return views;
@@ -92,7 +94,7 @@ struct Rendering {
   double noise = 2;                ///< levels
 };
 
-/// The image of a flat texture (8 bit grey, `texels_m` a texel, its texel corner (0,0) at `corner_m` on the
+/// The image of a flat texture (8 bit grey, `texel_m` a texel, its texel corner (0,0) at `corner_m` on the
 /// board) through a pinhole camera without distortion, 4 x 4 samples a pixel, as 32 bit levels.
 inline cv::Mat RenderTexture(const cv::Mat& texture, double texel_m, const cv::Vec2d& corner_m,
                              const optics::CameraModel& c, const SyntheticPose& pose) {

@@ -127,6 +127,27 @@ TEST(BoardFinder, NamesTheCornersOfACharucoBoardThatIsHalfInTheImage) {
   DOUBLES_EQUAL(0, RmsPx(charuco_, view, pose), 0.1);
 }
 
+TEST(BoardFinder, FindsEnoughOfCharucoBoardsAtTheBorderForACalibration) {
+  std::vector<BoardView> views;
+  for (int i = 0; i < 8; ++i) {
+    const double side = i % 2 == 0 ? 1 : -1, height = i % 4 < 2 ? 1 : -1;
+    const auto pose =
+        PoseAt(charuco_, {0.45 * side, 0.5 * height, 0.3 * i}, {0.2 * side, 0.13 * height, 0.7});
+    views.push_back(FindBoard(charuco_, std::to_string(i) + ".png",
+                              Exposed(RenderCharuco(charuco_, pose), {}, CV_8U, random_)));
+  }
+
+  const auto calibration = adit::host::CalibrateIntrinsics(views, 640, 480);
+
+  if (!calibration) FAIL(calibration.error().Line().c_str());
+  LONGS_EQUAL(8, calibration->ImagesUsed());
+  CHECK(calibration->corners < 8 * 54);
+  CHECK(calibration->Coverage().MissedCorners().empty());
+  const auto error = adit::host::Intrinsics(calibration->camera) - adit::host::Intrinsics(Pinhole());
+  CHECK(error.cwiseQuotient(calibration->Sigma()).cwiseAbs().maxCoeff() < 4);
+  DOUBLES_EQUAL(820, calibration->camera.fu_px, 1);
+}
+
 TEST(BoardFinder, FindsABlurredCharucoBoard) {
   const auto pose = Tilted(charuco_);
   Rendering how;

@@ -130,8 +130,10 @@ TEST(IntrinsicCalibration, EnlargesSigmaWhenTheBoardFlexesFromImageToImage) {
   std::normal_distribution<double> bow_m(0, 0.001);
   for (int run = 0; run < kRuns; ++run) {
     std::vector<BoardView> views;
-    for (const auto& pose : HeldBoards(board_, 14, 0.7, random_))
-      views.push_back(Seen(board_, BoardCamera(), pose, 0.05, random_, bow_m(random_)));
+    for (auto pose : HeldBoards(board_, 14, 0.7, random_)) {
+      pose.bow_m = bow_m(random_);
+      views.push_back(Seen(board_, BoardCamera(), pose, 0.05, random_));
+    }
     const auto calibration = MustCalibrate(views);
     CHECK(calibration.dispersion > 1.5);
     CHECK(Warns(calibration, "is the board flat?"));

@@ -21,6 +21,7 @@ struct PipelineOptions {
   detect::DetectorOptions detector;
   bool windows =
       true;  ///< search around the targets that are followed, and all over in every second or third pair
+  georef::Georeference georeference = {};  ///< by default none: the site frame is the rig frame
 };
 
 /// All records of one pair. Large (some 100 kB): make it once and reuse it.

@@ -5,6 +5,7 @@
 #include "host/config.h"
 #include "host/demo.h"
 #include "host/evaluate.h"
+#include "host/georef.h"
 #include "host/serve.h"
 #include "host/simulate.h"
 #include "host/track.h"
@@ -19,6 +20,7 @@ int main(int argc, char** argv) {
   adit::host::AddServe(app, exit_code);
   adit::host::AddTrain(app, exit_code);
   adit::host::AddCalibrate(app, exit_code);
+  adit::host::AddGeoref(app, exit_code);
   adit::host::AddTrack(app, exit_code);
   adit::host::AddEvaluate(app, exit_code);
   adit::host::AddConfig(app, exit_code);

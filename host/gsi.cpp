@@ -16,7 +16,7 @@ constexpr std::size_t kSignAt = 6, kUnitAt = 5, kDataAt = 7;
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
-std::string_view Trimmed(std::string_view text) {
+std::string_view WithoutFill(std::string_view text) {
   const std::size_t last = text.find_last_not_of(" \t\r\x1a");  // old transfer programs end files with ^Z
   return last == std::string_view::npos ? std::string_view{} : text.substr(0, last + 1);
 }
@@ -24,7 +24,7 @@ std::string_view Trimmed(std::string_view text) {
 /// The name in the data of a word 11: without the zeros and blanks that fill it up.
 std::string PointName(std::string_view data) {
   const std::size_t first = data.find_first_not_of("0 ");
-  return first == std::string_view::npos ? "0" : std::string(Trimmed(data.substr(first)));
+  return first == std::string_view::npos ? "0" : std::string(WithoutFill(data.substr(first)));
 }
 
 /// The unit of a word's last digit in 1/metre; 0 if it is none of those that adit takes.
@@ -96,9 +96,9 @@ class BlockReader {
                        (word[kSignAt] == '+' || word[kSignAt] == '-') &&
                        (line_.size() == length || line_[length] == ' ');
     if (!whole) {
-      return Refuse(Trimmed(word), std::string("is no word of GSI-") + (gsi16_ ? "16" : "8") +
-                                       ": two digits, four characters, a sign, " + (gsi16_ ? "16" : "8") +
-                                       " characters, then a blank or the end of the line");
+      return Refuse(WithoutFill(word), std::string("is no word of GSI-") + (gsi16_ ? "16" : "8") +
+                                           ": two digits, four characters, a sign, " + (gsi16_ ? "16" : "8") +
+                                           " characters, then a blank or the end of the line");
     }
     line_.remove_prefix(std::min(line_.size(), length + 1));
     return word;
@@ -137,7 +137,7 @@ base::Result<std::vector<ControlPoint>> ParseGsi(std::string_view text, const st
   std::vector<ControlPoint> points;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
-    const std::string_view line = Trimmed(text.substr(0, end));
+    const std::string_view line = WithoutFill(text.substr(0, end));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     auto point = BlockReader(line, path + ":" + std::to_string(number)).Read(gsi8_offset_m);
     if (!point) return point.error();

@@ -18,8 +18,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr int kIterationsMax = 50;
-constexpr double kConverged = 1e-12;        // rad, and relative to the extent of the points
-constexpr double kRotationSigmaMax = 0.01;  // rad: 10 mm for each metre away from the points
+constexpr double kConverged = 1e-12;           // rad, and relative to the extent of the points
+constexpr double kRotationSigmaMaxRad = 0.01;  // 10 mm for each metre away from the points
+constexpr double kFlat = 1e-9;                 // relative; nearer to a line is on it, but for rounding
 
 Matrix3d GridScale(double k) { return Vector3d(k, k, 1).asDiagonal(); }
 
@@ -122,15 +123,11 @@ double LeverM(const Centred& centred, const HelmertOptions& options) {
   return svd.singularValues()[1] / std::sqrt(count);
 }
 
-/// Of one coordinate of one point, both measurements (rms).
-double NoiseM(const std::vector<CommonPoint>& points) {
-  double trace_m2 = 0;
-  for (const CommonPoint& point : points)
-    trace_m2 += point.rig_covariance_m2.trace() + point.control_covariance_m2.trace();
-  return std::sqrt(trace_m2 / (3 * static_cast<double>(points.size())));
-}
-
 Error Refuse(const std::string& detail) { return {ErrorCode::kFailed, "", detail}; }
+
+const char* WhereTheyLie(const HelmertOptions& options) {
+  return options.estimate_tilt ? "on one line" : "in one place in plan";
+}
 
 base::Result<void> CheckGeometry(const std::vector<CommonPoint>& points, const Centred& centred,
                                  const HelmertOptions& options) {
@@ -139,13 +136,20 @@ base::Result<void> CheckGeometry(const std::vector<CommonPoint>& points, const C
     return Refuse(std::to_string(points.size()) + " common points; " + std::to_string(options.Parameters()) +
                   " parameters need at least " + std::to_string(needed));
   }
-  const double lever_m = LeverM(centred, options), noise_m = NoiseM(points);
-  if (lever_m > noise_m) return {};
+  if (LeverM(centred, options) > kFlat * centred.rig_m.norm()) return {};
+  return Refuse(std::string("the common points lie ") + WhereTheyLie(options) +
+                ", which leaves a rotation undetermined");
+}
+
+/// Refuses points that determine the rotation too badly to be of use.
+base::Result<void> CheckRotation(const Helmert& fit, const Centred& centred, const HelmertOptions& options) {
+  const double sigma_rad = std::sqrt(
+      Eigen::SelfAdjointEigenSolver<Matrix3d>(fit.covariance.topLeftCorner<3, 3>()).eigenvalues().maxCoeff());
+  if (sigma_rad <= kRotationSigmaMaxRad) return {};
   std::ostringstream text;
-  text << "the " << points.size() << " common points "
-       << (options.estimate_tilt ? "lie on one line" : "lie in one place in plan") << " within "
-       << lever_m * 1e3 << " mm (their noise is " << noise_m * 1e3
-       << " mm), which leaves a rotation undetermined";
+  text << "the common points lie " << WhereTheyLie(options) << " within " << LeverM(centred, options) * 1e3
+       << " mm, so that a rotation keeps a sigma of " << sigma_rad * 1e3 << " mrad; at most "
+       << kRotationSigmaMaxRad * 1e3 << " mrad is allowed";
   return Refuse(text.str());
 }
 
@@ -192,16 +196,9 @@ base::Result<Helmert> FitHelmert(const std::vector<CommonPoint>& points, const H
     converged = step.head<3>().norm() < kConverged && std::abs(step[6]) < kConverged &&
                 step.segment<3>(3).norm() < kConverged * extent_m;
   }
-  if (!converged) return Refuse("the adjustment does not converge");
   fit.covariance(columns, columns) = inverse;
-  const double rotation_sigma = std::sqrt(
-      Eigen::SelfAdjointEigenSolver<Matrix3d>(fit.covariance.topLeftCorner<3, 3>()).eigenvalues().maxCoeff());
-  if (!(rotation_sigma <= kRotationSigmaMax)) {
-    std::ostringstream text;
-    text << "the common points lie so close to one line, or to one place, that a rotation keeps a sigma of "
-         << rotation_sigma * 1e3 << " mrad; at most " << kRotationSigmaMax * 1e3 << " mrad is allowed";
-    return Refuse(text.str());
-  }
+  if (auto rotation = CheckRotation(fit, centred, options); !rotation) return rotation.error();
+  if (!converged) return Refuse("the adjustment does not converge");
   fit.redundancy = static_cast<int>(3 * points.size()) - options.Parameters();
   if (fit.redundancy > 0)
     fit.sigma0 = std::sqrt(Sum(fit, near).weighted_squares / static_cast<double>(fit.redundancy));

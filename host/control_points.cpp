@@ -21,7 +21,8 @@ using base::ErrorCode;
 constexpr std::size_t kLargestFileBytes = 16 << 20;
 constexpr double kLargestCoordinateM = 1e8;
 constexpr double kLargestSigmaM = 1;
-constexpr std::array<std::string_view, 5> kColumns{"name", "easting_m", "northing_m", "height_m", "sigma_m"};
+constexpr std::array<std::string_view, 5> kControlColumns{"name", "easting_m", "northing_m", "height_m",
+                                                          "sigma_m"};
 constexpr std::size_t kName = 0, kFirstCoordinate = 1, kSigma = 4;
 
 std::string_view Trimmed(std::string_view text) {
@@ -43,16 +44,17 @@ std::vector<std::string_view> Split(std::string_view line) {
 /// Reads the rows below one header.
 class CsvReader {
  public:
-  /// Where each of kColumns stands in the rows. Declines when the header is another one.
+  /// Where each of kControlColumns stands in the rows. Declines when the header is another one.
   base::Result<void> ReadHeader(std::string_view line, const std::string& where) {
     for (const std::string_view field : Split(line)) {
-      const auto* const column = std::find(kColumns.begin(), kColumns.end(), field);
-      if (column == kColumns.end() || std::find(order_.begin(), order_.end(), field) != order_.end())
+      const auto* const column = std::find(kControlColumns.begin(), kControlColumns.end(), field);
+      if (column == kControlColumns.end() || std::find(order_.begin(), order_.end(), field) != order_.end())
         return RefuseHeader(where, "column '" + std::string(field) + "' is unknown or stands there twice");
       order_.emplace_back(field);
     }
-    for (const std::string_view column : kColumns) {
-      if (column != kColumns[kSigma] && std::find(order_.begin(), order_.end(), column) == order_.end())
+    for (const std::string_view column : kControlColumns) {
+      if (column != kControlColumns[kSigma] &&
+          std::find(order_.begin(), order_.end(), column) == order_.end())
         return RefuseHeader(where, "column " + std::string(column) + " is missing");
     }
     return {};
@@ -66,7 +68,7 @@ class CsvReader {
                        std::to_string(order_.size())};
     }
     ControlPoint point;
-    for (std::size_t i = 0; i < 3; ++i) point.enh[i].word = kColumns[kFirstCoordinate + i];
+    for (std::size_t i = 0; i < 3; ++i) point.enh[i].word = kControlColumns[kFirstCoordinate + i];
     for (std::size_t i = 0; i < fields.size(); ++i) {
       if (auto read = Take(order_[i], fields[i], where, point); !read) return read.error();
     }
@@ -82,12 +84,12 @@ class CsvReader {
 
   static base::Result<void> Take(const std::string& column, std::string_view field, const std::string& where,
                                  ControlPoint& point) {
-    if (column == kColumns[kName]) {
+    if (column == kControlColumns[kName]) {
       point.name = field;
       return {};
     }
     if (field.empty()) return {};
-    const bool is_sigma = column == kColumns[kSigma];
+    const bool is_sigma = column == kControlColumns[kSigma];
     double value = 0;
     const auto end = std::from_chars(field.data(), field.data() + field.size(), value);
     const bool is_number = end.ec == std::errc() && end.ptr == field.data() + field.size();
@@ -101,8 +103,8 @@ class CsvReader {
     if (is_sigma) {
       point.sigma_m = value;
     } else {
-      const auto* const place = std::find(kColumns.begin(), kColumns.end(), column);
-      point.enh[static_cast<std::size_t>(place - kColumns.begin()) - kFirstCoordinate].value_m = value;
+      const auto* const place = std::find(kControlColumns.begin(), kControlColumns.end(), column);
+      point.enh[static_cast<std::size_t>(place - kControlColumns.begin()) - kFirstCoordinate].value_m = value;
     }
     return {};
   }

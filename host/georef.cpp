@@ -17,7 +17,7 @@
 namespace adit::host {
 namespace {
 
-constexpr double kRadPerDeg = 3.14159265358979323846 / 180;
+constexpr double kRadOfDegree = 3.14159265358979323846 / 180;
 
 struct GeorefArguments {
   ReplayOrder replay;
@@ -70,7 +70,7 @@ HelmertOptions HelmertOptionsOf(const GeorefArguments& arguments) {
   options.estimate_tilt = arguments.parameters != 4;
   options.estimate_scale = arguments.parameters == 7;
   options.grid_scale_factor = arguments.grid_scale_factor;
-  options.R_level_b = LevelFrame(arguments.pitch_deg * kRadPerDeg, arguments.roll_deg * kRadPerDeg);
+  options.R_level_b = LevelFrame(arguments.pitch_deg * kRadOfDegree, arguments.roll_deg * kRadOfDegree);
   return options;
 }
 

@@ -15,7 +15,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using pipeline::TrackRow;
 
-Error Refuse(const std::string& where, const std::string& detail) {
+Error RefuseAt(const std::string& where, const std::string& detail) {
   return {ErrorCode::kOutOfRange, where, detail};
 }
 
@@ -38,9 +38,9 @@ base::Result<std::optional<RigPointName>> RigPointOf(const std::string& control,
   const auto pair = options.pairs.find(control);
   const auto found = FindRigPoint(track, pair == options.pairs.end() ? control : pair->second);
   if (!found && pair != options.pairs.end()) {
-    return Refuse("--pair " + control + "=" + pair->second, "names no target or LED of the track; it has " +
-                                                                TargetsOf(track) + ", and LEDs are named " +
-                                                                "TARGET.1 to TARGET.4");
+    return RefuseAt("--pair " + control + "=" + pair->second, "names no target or LED of the track; it has " +
+                                                                  TargetsOf(track) + ", and LEDs are named " +
+                                                                  "TARGET.1 to TARGET.4");
   }
   return found;
 }
@@ -67,7 +67,7 @@ base::Result<void> CheckNames(const ControlFile& control, const MatchOptions& op
   const auto check = [&control](const std::string& name, const std::string& option) -> base::Result<void> {
     const auto found = control.Find(name);
     if (!found) return found.error();
-    if (*found == nullptr) return Refuse(option, "is no point of " + control.path);
+    if (*found == nullptr) return RefuseAt(option, "is no point of " + control.path);
     return {};
   };
   for (const auto& [name, rig_point] : options.pairs) {
@@ -116,14 +116,14 @@ base::Result<std::vector<MatchedPoint>> MatchPoints(const ControlFile& control,
     matched->used = !Holds(options.excluded, point.name);
     for (const MatchedPoint& other : matches) {
       if (other.rig_name == matched->rig_name)
-        return Refuse(control.path, "points " + other.common.name + " and " + point.name + " are both " +
-                                        matched->rig_name + "; one place has one point");
+        return RefuseAt(control.path, "points " + other.common.name + " and " + point.name + " are both " +
+                                          matched->rig_name + "; one place has one point");
     }
     matches.push_back(std::move(*matched));
   }
   if (matches.empty()) {
-    return Refuse(control.path, "names no target or LED of the track, which has " + TargetsOf(track) +
-                                    "; name points TARGET or TARGET.1 to TARGET.4, or give --pair");
+    return RefuseAt(control.path, "names no target or LED of the track, which has " + TargetsOf(track) +
+                                      "; name points TARGET or TARGET.1 to TARGET.4, or give --pair");
   }
   return matches;
 }

@@ -16,7 +16,7 @@ namespace adit::app {
 namespace {
 
 // A recording starts this much after the program, when all threads wait for it.
-constexpr base::DurationNs kReplayDelayNs = base::kNsPerS / 2;
+constexpr base::DurationNs kReplayDelayNs = base::kNsPerS;
 
 board::CameraOrder OrderOf(const config::BoxConfig& config, base::Side side,
                            const optics::CameraModel& model) {

@@ -1,32 +1,12 @@
 #include "host/calibration_text.h"
 
-#include <cstdint>
-#include <ctime>
 #include <iomanip>
 #include <sstream>
 
+#include "host/provenance.h"
+
 namespace adit::host {
 namespace {
-
-/// CRC-32 as in Ethernet and zip (IEEE 802.3).
-std::uint32_t Crc32(const std::string& text) {
-  constexpr std::uint32_t kPolynomial = 0xEDB88320;  // reflected
-  std::uint32_t crc = 0xFFFFFFFF;
-  for (const char c : text) {
-    crc ^= static_cast<std::uint8_t>(c);
-    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1) != 0 ? kPolynomial : 0);
-  }
-  return ~crc;
-}
-
-std::string Utc(base::TimeNs time_ns) {
-  const std::time_t seconds = time_ns / base::kNsPerS;
-  std::tm parts{};
-  gmtime_r(&seconds, &parts);
-  std::ostringstream text;
-  text << std::put_time(&parts, "%Y-%m-%dT%H:%M:%SZ");
-  return text.str();
-}
 
 void WriteCovariance(const Eigen::Matrix<double, 6, 6>& covariance, std::ostream& text) {
   text << "covariance:  # of (rotation vector in cam1's frame: rad, translation: m)\n"
@@ -43,9 +23,7 @@ void WriteCovariance(const Eigen::Matrix<double, 6, 6>& covariance, std::ostream
 std::string FormatCalibration(const Calibration& calibration) {
   optics::Rig rig = calibration.rig;
   rig.calibration_id.clear();
-  std::ostringstream id;
-  id << std::hex << std::setw(8) << std::setfill('0') << Crc32(optics::FormatRig(rig));
-  rig.calibration_id = id.str();
+  rig.calibration_id = Crc32(optics::FormatRig(rig));
 
   const CalibrationQuality& q = calibration.quality;
   std::ostringstream text;

@@ -5,6 +5,7 @@
 #include "host/config.h"
 #include "host/demo.h"
 #include "host/evaluate.h"
+#include "host/georef.h"
 #include "host/intrinsics.h"
 #include "host/serve.h"
 #include "host/simulate.h"
@@ -21,6 +22,7 @@ int main(int argc, char** argv) {
   adit::host::AddTrain(app, exit_code);
   adit::host::AddIntrinsics(app, exit_code);
   adit::host::AddCalibrate(app, exit_code);
+  adit::host::AddGeoref(app, exit_code);
   adit::host::AddTrack(app, exit_code);
   adit::host::AddEvaluate(app, exit_code);
   adit::host::AddConfig(app, exit_code);

@@ -61,6 +61,9 @@ base::Result<void> RecordingCamera::Start() {
   }
   next_ = 0;
   started_ = Monotonic::now();
+  // The first instant is at the epoch, neither before it (a frame out of the future) nor later (an old one).
+  if (options_.epoch_ns != base::kNever && options_.pace == Pace::kRecorded)
+    started_ += std::chrono::nanoseconds(options_.epoch_ns - clock_.Now());
   return {};
 }
 

@@ -25,7 +25,8 @@ struct ReplayOptions {
   int width_px = 0, height_px = 0;  ///< expected size; 0: that of the first image
   int buffers = 16;
   /// The box time that the recording's first instant is moved to, all else with it; kNever keeps the recorded
-  /// times. Two cameras of one recording must get the same.
+  /// times. At Pace::kRecorded it is also when the first frame comes, by the camera's clock. Two cameras of
+  /// one recording must get the same.
   base::TimeNs epoch_ns = base::kNever;
 };
 

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
+#include "firmware/georef/absolute_orientation.h"
 #include "firmware/identify/model.h"
 
 #ifndef ADIT_VERSION
@@ -13,7 +16,7 @@ namespace adit::app {
 namespace {
 
 // A recording starts this much after the program, when all threads wait for it.
-constexpr base::DurationNs kReplayDelayNs = base::kNsPerS / 2;
+constexpr base::DurationNs kReplayDelayNs = base::kNsPerS;
 
 board::CameraOrder OrderOf(const config::BoxConfig& config, base::Side side,
                            const optics::CameraModel& model) {
@@ -61,6 +64,23 @@ base::Result<std::vector<std::size_t>> PublishedTargets(const config::BoxConfig&
   return targets;
 }
 
+/// The rig in the site grid, or none if the configuration names no file.
+base::Result<georef::Georeference> LoadTie(const config::BoxConfig& config, const optics::Rig& rig) {
+  if (config.georeference.empty()) return georef::Georeference();
+  const auto orientation = georef::LoadOrientation(config.Resolve(config.georeference), rig.calibration_id);
+  if (!orientation) return orientation.error();
+  const std::vector<double>& origin_m = config.publish.site_origin_m;
+  const Eigen::Vector3d& rig_s_m = orientation->T_s_b.translation_m;
+  if (!publish::FitsTheWire(rig_s_m - Eigen::Vector3d(origin_m[0], origin_m[1], origin_m[2]))) {
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(0) << "is more than " << publish::kOffsetMaxM
+         << " m from the rig, which stands at [" << rig_s_m.x() << ", " << rig_s_m.y() << ", " << rig_s_m.z()
+         << "]: no position would fit the bus";
+    return base::Error{base::ErrorCode::kOutOfRange, "publish.site_origin_m", text.str()};
+  }
+  return georef::Georeference(*orientation);
+}
+
 base::DurationNs Nanoseconds(double seconds) {
   return static_cast<base::DurationNs>(std::llround(seconds * static_cast<double>(base::kNsPerS)));
 }
@@ -78,7 +98,10 @@ base::Result<std::unique_ptr<Box>> Box::Make(const config::BoxConfig& config) {
   }
   const auto targets = PublishedTargets(config, models);
   if (!targets) return targets.error();
+  const auto georeference = LoadTie(config, *rig);
+  if (!georeference) return georeference.error();
   pipeline::PipelineOptions options;
+  options.georeference = *georeference;
   const config::DetectorConfig& d = config.detector;
   options.detector = {d.area_min_px, d.area_max_px, d.elongation_max, d.read_noise_dn, d.electrons_per_dn};
   auto pipeline = pipeline::Pipeline::Make(*rig, models, options);

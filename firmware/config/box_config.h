@@ -74,6 +74,7 @@ struct BoxConfig {
   bool simulation = false;
   std::string rig;
   std::vector<std::string> models;
+  std::string georeference;  ///< file; empty: positions go out in the rig frame, with the fault bit
   CamerasConfig cameras;
   DetectorConfig detector;
   PublishConfig publish;

@@ -71,6 +71,8 @@ void DescribeBox(BoxConfig& c, Visitor& v) {
          {"", "everything is published as SIMULATED and must never move a machine"});
   v.Required("rig", c.rig, {"", "the rig's calibration (Kalibr camchain)"});
   v.RequiredTexts("models", c.models, {"", "the trained targets"});
+  v.Text("georeference", c.georeference,
+         {"", "the rig in the site grid (adit georef); empty: positions are in the rig frame"});
   DescribeCameras(c.cameras, v);
   v.Enter("detector");
   v.Number("area_min_px", c.detector.area_min_px, {1, 1e5}, {"px", "smallest bright area of an LED"});

@@ -1,20 +1,35 @@
 #include "firmware/georef/georeference.h"
 
 namespace adit::georef {
+namespace {
+
+void PutOnGrid(const AbsoluteOrientation& orientation, const stereo::TargetPoints& points, GeoFix& fix) {
+  fix.position_s_m = orientation.Apply(points.epicenter_b_m);
+  fix.covariance_s_m2 = orientation.Propagate(points.epicenter_b_m, points.epicenter_covariance_m2);
+  fix.direction_s = orientation.Turn(points.direction_b);
+  for (std::size_t i = 0; i < fix.leds_s_m.size(); ++i)
+    fix.leds_s_m[i] = orientation.Apply(points.leds_b_m[i]);
+}
+
+/// As measured, to the last bit.
+void LeaveInRigFrame(const stereo::TargetPoints& points, GeoFix& fix) {
+  fix.position_s_m = points.epicenter_b_m;
+  fix.covariance_s_m2 = points.epicenter_covariance_m2;
+  fix.direction_s = points.direction_b;
+  fix.leds_s_m = points.leds_b_m;
+}
+
+}  // namespace
 
 void Georeference::Apply(const track::TargetStateSet& states, GeoFixSet& out) const {
-  const base::Pose<base::Site, base::Rig> pose = T_s_b_.value_or(base::Pose<base::Site, base::Rig>{});
-  out.georeferenced = T_s_b_.has_value();
+  out.georeferenced = orientation_.has_value();
   out.targets.clear();
   for (const track::TargetState& state : states.targets) {
     GeoFix fix;
     fix.state = state;
-    if (state.points.status != stereo::FixStatus::kLost) {
-      fix.position_s_m = pose * state.points.epicenter_b_m;
-      fix.covariance_s_m2 = pose.rotation * state.points.epicenter_covariance_m2 * pose.rotation.transpose();
-      fix.direction_s = pose.rotation * state.points.direction_b;
-      for (std::size_t i = 0; i < fix.leds_s_m.size(); ++i) fix.leds_s_m[i] = pose * state.points.leds_b_m[i];
-    }
+    const bool has_place = state.points.status != stereo::FixStatus::kLost;
+    if (has_place && orientation_) PutOnGrid(*orientation_, state.points, fix);
+    if (has_place && !orientation_) LeaveInRigFrame(state.points, fix);
     out.targets.push_back(fix);
   }
 }

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "firmware/base/pose.h"
+#include "firmware/georef/absolute_orientation.h"
 #include "firmware/georef/geo_fix.h"
 
 namespace adit::georef {
@@ -12,13 +12,14 @@ namespace adit::georef {
 class Georeference {
  public:
   Georeference() = default;
-  explicit Georeference(const base::Pose<base::Site, base::Rig>& T_s_b) : T_s_b_(T_s_b) {}
+  explicit Georeference(const AbsoluteOrientation& orientation) : orientation_(orientation) {}
 
-  /// One thread; no allocation.
+  /// Positions, LEDs and directions in the site frame; the covariance is that of the measurement and of the
+  /// orientation together. One thread; no allocation.
   void Apply(const track::TargetStateSet& states, GeoFixSet& out) const;
 
  private:
-  std::optional<base::Pose<base::Site, base::Rig>> T_s_b_;
+  std::optional<AbsoluteOrientation> orientation_;
 };
 
 }  // namespace adit::georef

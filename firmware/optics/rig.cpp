@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "firmware/base/yaml.h"
+#include "firmware/base/yaml_pose.h"
 
 namespace adit::optics {
 namespace {
@@ -18,7 +19,6 @@ constexpr Range kCentrePx{-10000, 20000};  // a shifted lens still ends here
 constexpr Range kResolutionPx{16, 16384};
 constexpr Range kDistortion{-10, 10};
 constexpr double kShortestBaselineM = 0.1, kLongestBaselineM = 50;
-constexpr double kOrthonormalTolerance = 1e-6;  // a file of 9 digits keeps rotations this well
 
 std::string Row(std::initializer_list<double> values) {
   std::ostringstream text;
@@ -116,23 +116,8 @@ CameraModel ReadOpenCvMatrices(YamlReader& in) {
 
 base::Pose<base::RightCamera, base::LeftCamera> ReadExtrinsics(YamlReader& cam1) {
   const char* const key = "T_cn_cnm1";
-  base::Pose<base::RightCamera, base::LeftCamera> pose;
-  const auto rows = cam1.Matrix(key, 4, 4);
+  const auto pose = base::ReadPose<base::RightCamera, base::LeftCamera>(cam1, key);
   if (!cam1.Ok()) return pose;
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) pose.rotation(r, c) = rows[static_cast<std::size_t>(4 * r + c)];
-    pose.translation_m[r] = rows[static_cast<std::size_t>(4 * r + 3)];
-  }
-  if (!(rows[12] == 0 && rows[13] == 0 && rows[14] == 0 && rows[15] == 1))
-    cam1.Refuse(std::string(key) + "[3]", "is not [0, 0, 0, 1]");
-  const double miss =
-      (pose.rotation * pose.rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(miss <= kOrthonormalTolerance)) {
-    cam1.Refuse(key, "has no rotation in its upper left 3 x 3 block: R R^T differs from 1 by " + Show(miss) +
-                         "; at most " + Show(kOrthonormalTolerance) + " is allowed");
-  }
-  if (pose.rotation.determinant() < 0)
-    cam1.Refuse(key, "has a mirror in its upper left 3 x 3 block (determinant -1); it must be a rotation");
   const double baseline_m = pose.translation_m.norm();
   if (!(baseline_m >= kShortestBaselineM && baseline_m <= kLongestBaselineM)) {
     cam1.Refuse(key, "has a baseline of " + Show(baseline_m) + " m; it must be from " +

@@ -20,6 +20,7 @@ namespace adit::pipeline {
 struct PipelineOptions {
   detect::DetectorOptions detector;
   bool windows = true;  ///< search around the targets that are followed, and all over now and then
+  georef::Georeference georeference = {};  ///< by default none: the site frame is the rig frame
 };
 
 /// All records of one pair. Large (some 100 kB): make it once and reuse it.

@@ -5,26 +5,14 @@
 namespace adit::publish {
 namespace {
 
-// The largest difference from the origin that an i32 of 0.1 mm carries; the smallest i32 means "not
-// available".
-constexpr double kOffsetMaxM = 214748.3647;
-
-bool FitsTheWire(const Eigen::Vector3d& position_s_m, const EpochRules& rules) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const double offset_m = position_s_m[axis] - rules.origin_s_m[static_cast<std::size_t>(axis)];
-    // Written so that a NaN does not fit.
-    if (!(std::abs(offset_m) <= kOffsetMaxM)) return false;
-  }
-  return true;
-}
-
 // Copies position and sigmas into `epoch` if they can be told at all.
 bool TakePosition(const georef::GeoFix& fix, const EpochRules& rules, Epoch& epoch) {
   const Eigen::Matrix3d& covariance = fix.covariance_s_m2;
   const double horizontal_m = std::sqrt(covariance(0, 0) + covariance(1, 1));
   const double vertical_m = std::sqrt(covariance(2, 2));
+  const Eigen::Vector3d origin_s_m(rules.origin_s_m[0], rules.origin_s_m[1], rules.origin_s_m[2]);
   const bool finite = std::isfinite(horizontal_m) && std::isfinite(vertical_m);
-  if (!finite || !FitsTheWire(fix.position_s_m, rules)) return false;
+  if (!finite || !FitsTheWire(fix.position_s_m - origin_s_m)) return false;
   epoch.position_s_m = {fix.position_s_m.x(), fix.position_s_m.y(), fix.position_s_m.z()};
   epoch.sigma_horizontal_m = horizontal_m;
   epoch.sigma_vertical_m = vertical_m;
@@ -80,6 +68,10 @@ bool MayHavePosition(const georef::GeoFix& fix, const BoxCondition& box, const E
 }
 
 }  // namespace
+
+bool FitsTheWire(const Eigen::Vector3d& offset_s_m) {
+  return (offset_s_m.array().abs() <= kOffsetMaxM).all();  // a NaN does not fit
+}
 
 std::optional<base::DurationNs> AgeAt(const Epoch& epoch, base::TimeNs now_ns) {
   // Also keeps the difference below from overflowing: kNever is the smallest time there is.

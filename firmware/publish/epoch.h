@@ -67,6 +67,13 @@ struct BoxCondition {
   ClockSource clock = ClockSource::kNone;
 };
 
+/// The largest difference from the origin that an i32 of 0.1 mm carries; the smallest i32 means "not
+/// available".
+inline constexpr double kOffsetMaxM = 214748.3647;
+
+/// Whether a difference from the site origin can be told to a machine.
+bool FitsTheWire(const Eigen::Vector3d& offset_s_m);
+
 /// What a position must keep to.
 struct EpochRules {
   double sigma_limit_m = 0.020;                          ///< above: DEGRADED

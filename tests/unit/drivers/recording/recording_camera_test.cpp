@@ -99,6 +99,19 @@ TEST(RecordingCamera, MovesTimesToTheEpochThatItIsGiven) {
   }
 }
 
+TEST(RecordingCamera, TheFirstFrameComesAtTheEpoch) {
+  Replayed rig;
+  rig.options.pace = adit::recording::Pace::kRecorded;
+  rig.options.epoch_ns = rig.clock.Now() + 100 * adit::base::kNsPerMs;
+  RecordingCamera camera(rig.options, rig.clock);
+  CHECK_TRUE(static_cast<bool>(camera.Start()));
+  CameraFrame frame;
+  CHECK_TRUE(camera.Wait(kShortNs, frame) == WaitOutcome::kTimeout);
+  CHECK_TRUE(camera.Wait(kLongNs, frame) == WaitOutcome::kFrame);
+  LONGLONGS_EQUAL(rig.options.epoch_ns, frame.stamp.mid_exposure_ns);
+  camera.Release(frame);
+}
+
 TEST(RecordingCamera, WaitsForABufferInsteadOfLosingAFrame) {
   Replayed rig;
   rig.options.buffers = 2;

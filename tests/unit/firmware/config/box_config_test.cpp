@@ -49,7 +49,8 @@ TEST(BoxConfig, ReadsAMinimalFileAndFillsInDefaults) {
 
 TEST(BoxConfig, WhatItShowsReadsBackToTheSame) {
   std::ofstream(kPath)
-      << kGood << "publish: {site_origin_m: [546123, 178456, 400], can: {driver: candump, log: c.log}}\n";
+      << kGood << "georeference: g.yaml\n"
+      << "publish: {site_origin_m: [546123, 178456, 400], can: {driver: candump, log: c.log}}\n";
   const auto first = LoadBoxConfig(kPath);
   CHECK(!!first);
   const std::string shown = adit::config::FormatBoxConfig(*first);
@@ -57,11 +58,13 @@ TEST(BoxConfig, WhatItShowsReadsBackToTheSame) {
   const auto second = LoadBoxConfig(kPath);
   STRCMP_EQUAL(shown.c_str(), adit::config::FormatBoxConfig(*second).c_str());
   STRCMP_CONTAINS("546123", shown.c_str());
+  STRCMP_EQUAL("g.yaml", second->georeference.c_str());
 }
 
 TEST(BoxConfig, EveryKeyShownIsInTheSchemaWithItsMeaning) {
   const std::string schema = adit::config::FormatBoxSchema();
-  for (const char* key : {"exposure_us", "sigma_limit_mm", "cycle_ms", "track_log", "serial"}) {
+  for (const char* key :
+       {"exposure_us", "sigma_limit_mm", "cycle_ms", "track_log", "serial", "georeference"}) {
     STRCMP_CONTAINS(key, schema.c_str());
   }
   STRCMP_CONTAINS("(20 to 1000 ms)", schema.c_str());

@@ -2,9 +2,7 @@
 
 #include <CppUTest/TestHarness.h>
 
-using adit::base::Pose;
-using adit::base::Rig;
-using adit::base::Site;
+using adit::georef::AbsoluteOrientation;
 using adit::georef::GeoFixSet;
 using adit::georef::Georeference;
 using adit::stereo::FixStatus;
@@ -13,11 +11,11 @@ using Eigen::Vector3d;
 namespace {
 
 /// A rig that looks north along the tunnel: its x is easting, its y is down, its z is northing.
-Pose<Site, Rig> LookingNorth() {
-  Pose<Site, Rig> pose;
-  pose.rotation << 1, 0, 0, 0, 0, 1, 0, -1, 0;
-  pose.translation_m = {546123, 178456, 400};
-  return pose;
+AbsoluteOrientation LookingNorth() {
+  AbsoluteOrientation orientation;
+  orientation.T_s_b.rotation << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  orientation.T_s_b.translation_m = {546123, 178456, 400};
+  return orientation;
 }
 
 adit::track::TargetStateSet OneTarget(FixStatus status) {
@@ -49,6 +47,30 @@ TEST(Georeference, TurnsPlaceDirectionAndCovarianceIntoTheGrid) {
   CHECK((fix.leds_s_m[3] - Vector3d(546126, 178497.5, 401)).norm() < 1e-9);
   CHECK((fix.covariance_s_m2.diagonal() - Vector3d(1e-6, 9e-6, 4e-6)).norm() < 1e-18);
   CHECK(fix.state.mid_exposure_ns == 77);
+}
+
+TEST(Georeference, ShortensTheGridButNotHeights) {
+  AbsoluteOrientation orientation = LookingNorth();
+  orientation.grid_scale_factor = 0.9996;
+  Georeference(orientation).Apply(OneTarget(FixStatus::kTracked), fixes);
+  const auto& fix = fixes.targets[0];
+  CHECK((fix.position_s_m - Vector3d(546123 + 3 * 0.9996, 178456 + 40 * 0.9996, 401)).norm() < 1e-9);
+  DOUBLES_EQUAL(1, fix.direction_s.norm(), 1e-15);
+  DOUBLES_EQUAL(9e-6 * 0.9996 * 0.9996, fix.covariance_s_m2(1, 1), 1e-18);
+}
+
+TEST(Georeference, AddsWhatTheOrientationDoesNotKnow) {
+  AbsoluteOrientation orientation = LookingNorth();
+  orientation.reference_b_m = {0, 0, 30};
+  // heading 1 mrad; the reference point 1 mm in easting
+  orientation.covariance.diagonal() << 0, 0, 1e-6, 1e-6, 0, 0;
+  Georeference(orientation).Apply(OneTarget(FixStatus::kTracked), fixes);
+  // From the reference point the target is 3 m east and 10 m north.
+  const Eigen::Matrix3d& covariance = fixes.targets[0].covariance_s_m2;
+  DOUBLES_EQUAL(1e-6 + 1e-6 + 100e-6, covariance(0, 0), 1e-15);
+  DOUBLES_EQUAL(9e-6 + 9e-6, covariance(1, 1), 1e-15);
+  DOUBLES_EQUAL(-30e-6, covariance(0, 1), 1e-15);
+  DOUBLES_EQUAL(4e-6, covariance(2, 2), 1e-15);
 }
 
 TEST(Georeference, IsTheRigFrameWhenThereIsNone) {

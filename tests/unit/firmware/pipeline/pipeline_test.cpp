@@ -48,6 +48,23 @@ TEST(Pipeline, TurnsBlobsIntoFixesInModelOrder) {
   CHECK(fix.state.mid_exposure_ns == scene->Blobs().left.stamp.mid_exposure_ns);
 }
 
+TEST(Pipeline, PutsFixesOnTheSiteGridWhenTold) {
+  adit::georef::AbsoluteOrientation orientation;
+  orientation.T_s_b.rotation << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  orientation.T_s_b.translation_m = {2600000, 1200000, 400};
+  adit::pipeline::PipelineOptions options;
+  options.georeference = adit::georef::Georeference(orientation);
+  auto pipeline = Pipeline::Make(rig.AsRig(), models, options);
+  CHECK(!!pipeline);
+  const auto bar = SyntheticBar::At(adit::support::SeedTargetTwo(), Ahead(rig, 45), {1, 0.3, -0.2});
+  CHECK(scene->AddBar(bar, 0.02));
+  pipeline->Locate(scene->Blobs().left, scene->Blobs().right, *result);
+  CHECK(result->fixes.georeferenced);
+  const Eigen::Vector3d at_b_m = bar.Epicenter();
+  const Eigen::Vector3d at_s_m(2600000 + at_b_m.x(), 1200000 + at_b_m.z(), 400 - at_b_m.y());
+  CHECK((result->fixes.targets[1].position_s_m - at_s_m).norm() < 0.01);
+}
+
 TEST(Pipeline, ReportsEveryTargetLostWhenAFrameIsMissing) {
   auto pipeline = Pipeline::Make(rig.AsRig(), models, {});
   CHECK(!!pipeline);

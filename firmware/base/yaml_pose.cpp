@@ -1,0 +1,36 @@
+#include "firmware/base/yaml_pose.h"
+
+#include <Eigen/LU>
+#include <sstream>
+
+namespace adit::base {
+namespace {
+
+constexpr double kOrthonormalTolerance = 1e-6;  // a file of 9 digits keeps rotations this well
+
+}  // namespace
+
+void ReadRigidMotion(YamlReader& in, const std::string& key, Eigen::Matrix3d& rotation,
+                     Eigen::Vector3d& translation_m) {
+  const auto rows = in.Matrix(key, 4, 4);
+  if (!in.Ok()) return;
+  if (!(rows[12] == 0 && rows[13] == 0 && rows[14] == 0 && rows[15] == 1))
+    return in.Refuse(key + "[3]", "is not [0, 0, 0, 1]");
+  const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> motion(rows.data());
+  const Eigen::Matrix3d block = motion.topLeftCorner<3, 3>();
+  const double miss = (block * block.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(miss <= kOrthonormalTolerance)) {
+    std::ostringstream text;
+    text << "has no rotation in its upper left 3 x 3 block: R R^T differs from 1 by " << miss << "; at most "
+         << kOrthonormalTolerance << " is allowed";
+    return in.Refuse(key, text.str());
+  }
+  if (block.determinant() < 0) {
+    return in.Refuse(key,
+                     "has a mirror in its upper left 3 x 3 block (determinant -1); it must be a rotation");
+  }
+  rotation = block;
+  translation_m = motion.topRightCorner<3, 1>();
+}
+
+}  // namespace adit::base

@@ -9,6 +9,7 @@
 #include "host/intrinsics.h"
 #include "host/serve.h"
 #include "host/simulate.h"
+#include "host/target.h"
 #include "host/track.h"
 #include "host/train.h"
 
@@ -19,6 +20,7 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   adit::host::AddSimulate(app, exit_code);
   adit::host::AddServe(app, exit_code);
+  adit::host::AddTarget(app, exit_code);
   adit::host::AddTrain(app, exit_code);
   adit::host::AddIntrinsics(app, exit_code);
   adit::host::AddCalibrate(app, exit_code);

@@ -8,6 +8,7 @@
 #include "drivers/linux/atomic_file.h"
 #include "host/comparison.h"
 #include "host/failure.h"
+#include "host/suites.h"
 
 namespace adit::host {
 namespace {
@@ -15,9 +16,13 @@ namespace {
 struct EvaluateArguments {
   std::string track, truth, json;
   int visible_min = 4;
+  SuiteOrder suite;
 };
 
-int Evaluate(const EvaluateArguments& arguments) {
+int EvaluateTrack(const EvaluateArguments& arguments) {
+  if (arguments.track.empty())
+    return Fail("evaluate",
+                {base::ErrorCode::kUsage, "--track", "is missing; give --track and --truth, or --suite"});
   const auto track = pipeline::LoadTrack(arguments.track);
   if (!track) return Fail("evaluate", track.error());
   const auto truth = sim::ReadTruth(arguments.truth);
@@ -36,13 +41,35 @@ int Evaluate(const EvaluateArguments& arguments) {
   return 0;
 }
 
+int Evaluate(const EvaluateArguments& arguments) {
+  if (arguments.suite.suite.empty()) return EvaluateTrack(arguments);
+  SuiteOrder order = arguments.suite;
+  order.json = arguments.json;
+  return RunSuite(order);
+}
+
+void AddSuiteOptions(CLI::App& command, SuiteOrder& order) {
+  std::string names;
+  for (const std::string& name : SuiteNames()) names += (names.empty() ? "" : ", ") + name;
+  CLI::Option* suite = command.add_option("--suite", order.suite, "run a campaign in simulation: " + names);
+  command.add_option("--case", order.only, "only this case of the suite")->needs(suite);
+  command.add_option("--count", order.count, "how much of it; by default little enough for seconds")
+      ->needs(suite)
+      ->check(CLI::Range(1, 1'000'000'000));
+  command.add_option("--seed", order.seed, "of all that is random")->needs(suite)->capture_default_str();
+}
+
 }  // namespace
 
 void AddEvaluate(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("evaluate", "compare a track with the truth");
+  CLI::App* command =
+      app.add_subcommand("evaluate", "compare a track with the truth, or measure adit itself");
   auto arguments = std::make_shared<EvaluateArguments>();
-  command->add_option("--track", arguments->track, "track file of `adit track`")->required();
-  command->add_option("--truth", arguments->truth, "truth file of `adit simulate`")->required();
+  AddSuiteOptions(*command, arguments->suite);
+  CLI::Option* track = command->add_option("--track", arguments->track, "track file of `adit track`");
+  CLI::Option* truth = command->add_option("--truth", arguments->truth, "truth file of `adit simulate`");
+  track->needs(truth)->excludes("--suite");
+  truth->needs(track);
   command->add_option("--json", arguments->json, "also write the figures here");
   command
       ->add_option("--min-visible", arguments->visible_min,

@@ -7,6 +7,7 @@
 
 #include "drivers/linux/atomic_file.h"
 #include "host/comparison.h"
+#include "host/evaluate_report.h"
 #include "host/failure.h"
 #include "host/suites.h"
 
@@ -14,7 +15,7 @@ namespace adit::host {
 namespace {
 
 struct EvaluateArguments {
-  std::string track, truth, json;
+  std::string track, truth, json, report;
   int visible_min = 4;
   SuiteOrder suite;
 };
@@ -37,6 +38,9 @@ int EvaluateTrack(const EvaluateArguments& arguments) {
     if (auto written = linux::WriteFileAtomically(arguments.json, FormatJson(*comparison)); !written)
       return Fail("evaluate", written.error());
   }
+  const ReportPage page = MakeEvaluateReport(*comparison, arguments.track, arguments.truth);
+  if (auto written = WriteReport(page, {arguments.report, ""}); !written)
+    return Fail("evaluate", written.error());
   std::cout << FormatTable(*comparison);
   return 0;
 }
@@ -45,6 +49,7 @@ int Evaluate(const EvaluateArguments& arguments) {
   if (arguments.suite.suite.empty()) return EvaluateTrack(arguments);
   SuiteOrder order = arguments.suite;
   order.json = arguments.json;
+  order.report = arguments.report;
   return RunSuite(order);
 }
 
@@ -71,6 +76,7 @@ void AddEvaluate(CLI::App& app, int& exit_code) {
   track->needs(truth)->excludes("--suite");
   truth->needs(track);
   command->add_option("--json", arguments->json, "also write the figures here");
+  command->add_option("--report", arguments->report, "also write a page with plots here");
   command
       ->add_option("--min-visible", arguments->visible_min,
                    "LEDs that both cameras must see for a target to count as visible")

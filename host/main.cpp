@@ -4,8 +4,10 @@
 #include "host/calibrate.h"
 #include "host/config.h"
 #include "host/demo.h"
+#include "host/diff.h"
 #include "host/evaluate.h"
 #include "host/georef.h"
+#include "host/inspect.h"
 #include "host/intrinsics.h"
 #include "host/serve.h"
 #include "host/simulate.h"
@@ -27,6 +29,8 @@ int main(int argc, char** argv) {
   adit::host::AddGeoref(app, exit_code);
   adit::host::AddTrack(app, exit_code);
   adit::host::AddEvaluate(app, exit_code);
+  adit::host::AddDiff(app, exit_code);
+  adit::host::AddInspect(app, exit_code);
   adit::host::AddConfig(app, exit_code);
   adit::host::AddDemo(app, exit_code);
   // CLI11 would only say that a command is missing.

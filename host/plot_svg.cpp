@@ -15,6 +15,7 @@ using Eigen::Vector2d;
 // Margins leave room for tick labels (left), the title (top) and the axis' name (bottom).
 constexpr double kPlotWidth = 480, kPlotHeight = 320, kLowestPlot = 200, kHighestPlot = 480;
 constexpr double kLeftMargin = 56, kRightMargin = 14, kTopMargin = 14, kBottomMargin = 44, kLegendLine = 15;
+constexpr double kAxisPad = 0.04;  // of the data's span, at either end: no mark lies on the frame
 // Dark enough to differ from paper in grey, and from each other in colour (Okabe & Ito 2008).
 constexpr std::array<const char*, 5> kInks{"#0b3c6f", "#b3450b", "#1a7a5a", "#7a3b79", "#444444"};
 
@@ -35,8 +36,11 @@ class PlotScale {
     if (!(span.high > span.low)) {
       const double pad = span.low == 0 ? 1 : 0.1 * std::abs(span.low);
       span = {span.low - pad, span.high + pad};
-    } else if (!axis.range && !logarithmic_) {
-      const double pad = 0.04 * (span.high - span.low);
+    } else if (!axis.range && logarithmic_) {
+      const double pad = std::pow(span.high / span.low, kAxisPad);
+      span = {span.low / pad, span.high * pad};
+    } else if (!axis.range) {
+      const double pad = kAxisPad * (span.high - span.low);
       span = {span.low == 0 ? 0 : span.low - pad, span.high + pad};
     }
     low = span.low, high = span.high;

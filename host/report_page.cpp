@@ -42,8 +42,8 @@ footer{margin-top:2em;border-top:1px solid #999;font-size:.8em;color:#555}
 @page{size:A4;margin:15mm}
 )";
 
-const char* JudgementName(Judgement judgement) {
-  return judgement == Judgement::kGood ? "good" : judgement == Judgement::kCaution ? "caution" : "bad";
+const char* VerdictName(ReportVerdict verdict) {
+  return verdict == ReportVerdict::kGood ? "good" : verdict == ReportVerdict::kCaution ? "caution" : "bad";
 }
 
 void WriteTableHtml(const ReportTable& table, std::ostream& out) {
@@ -170,8 +170,8 @@ void WriteFactsJson(const std::vector<ReportFact>& facts, std::ostream& out) {
 
 ReportCell ReportNumber(double value, int decimals) { return {ReadableNumber(value, decimals), value}; }
 
-void ReportPage::Verdict(Judgement judgement, std::string sentence, std::vector<std::string> reasons) {
-  judgement_ = judgement;
+void ReportPage::Verdict(ReportVerdict verdict, std::string sentence, std::vector<std::string> reasons) {
+  verdict_ = verdict;
   sentence_ = std::move(sentence);
   reasons_ = std::move(reasons);
 }
@@ -183,7 +183,7 @@ std::string ReportPage::Html() const {
       << "</style></head>\n<body><header><div class=\"tool\">adit " << HtmlText(tool_) << "</div><h1>"
       << HtmlText(title_) << "</h1><p>" << HtmlText(origin_) << "</p></header>\n";
   if (!sentence_.empty()) {
-    out << "<div class=\"verdict " << JudgementName(judgement_) << "\"><b>" << HtmlText(sentence_) << "</b>";
+    out << "<div class=\"verdict " << VerdictName(verdict_) << "\"><b>" << HtmlText(sentence_) << "</b>";
     if (!reasons_.empty()) {
       out << "<ul>";
       for (const std::string& reason : reasons_) out << "<li>" << HtmlText(reason) << "</li>";
@@ -212,8 +212,7 @@ std::string ReportPage::Html() const {
 std::string ReportPage::Json() const {
   std::ostringstream out;
   out << "{\n  \"tool\": " << JsonText(tool_) << ",\n  \"title\": " << JsonText(title_)
-      << ",\n  \"origin\": " << JsonText(origin_)
-      << ",\n  \"verdict\": " << JsonText(JudgementName(judgement_))
+      << ",\n  \"origin\": " << JsonText(origin_) << ",\n  \"verdict\": " << JsonText(VerdictName(verdict_))
       << ",\n  \"sentence\": " << JsonText(sentence_) << ",\n  \"reasons\": [";
   JsonList reasons(out);
   for (const std::string& reason : reasons_) reasons.Next() << JsonText(reason);

@@ -37,7 +37,7 @@ struct ReportFact {
   std::string unit;
 };
 
-enum class Judgement { kGood, kCaution, kBad };
+enum class ReportVerdict { kGood, kCaution, kBad };
 
 /// What a report holds, in the order of the calls. No heap limits, no threads: for workstations.
 class ReportPage {
@@ -47,7 +47,7 @@ class ReportPage {
       : tool_(std::move(tool)), title_(std::move(title)), origin_(std::move(origin)) {}
 
   /// The verdict stands at the top; its reasons are sentences.
-  void Verdict(Judgement judgement, std::string sentence, std::vector<std::string> reasons = {});
+  void Verdict(ReportVerdict verdict, std::string sentence, std::vector<std::string> reasons = {});
   void Section(std::string title) { parts_.emplace_back(Heading{std::move(title)}); }
   void Paragraph(std::string text) { parts_.emplace_back(Sentence{std::move(text)}); }
   void Facts(std::vector<ReportFact> facts) { parts_.emplace_back(std::move(facts)); }
@@ -70,7 +70,7 @@ class ReportPage {
   using Part = std::variant<Heading, Sentence, std::vector<ReportFact>, ReportTable, Plot>;
 
   std::string tool_, title_, origin_;
-  Judgement judgement_ = Judgement::kGood;
+  ReportVerdict verdict_ = ReportVerdict::kGood;
   std::string sentence_;
   std::vector<std::string> reasons_;
   std::vector<Part> parts_;

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "host/failure.h"
+#include "host/seed_suite.h"
 #include "host/underground.h"
 
 namespace adit::host {
@@ -14,7 +15,7 @@ struct Suite {
   int (*run)(const SuiteOrder&);
 };
 
-constexpr std::array kSuites{Suite{"underground", RunUnderground}};
+constexpr std::array kSuites{Suite{"seed", RunSeed}, Suite{"underground", RunUnderground}};
 
 }  // namespace
 

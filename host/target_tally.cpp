@@ -38,7 +38,8 @@ void TargetTally::Add(const TargetTally& other) {
   swapped += other.swapped;
   off_tracked += other.off_tracked, off_recovered += other.off_recovered,
       off_predicted += other.off_predicted;
-  AddFound(four, other.four), AddFound(three, other.three), AddFound(two_locked, other.two_locked);
+  AddFound(any, other.any), AddFound(four, other.four), AddFound(three, other.three),
+      AddFound(two_locked, other.two_locked);
   beyond_reacquisition += other.beyond_reacquisition;
   for (const std::string& finding : other.findings) {
     if (findings.size() < kFindingsMax) findings.push_back(finding);
@@ -90,14 +91,14 @@ void TargetCounter::CountOne(std::uint64_t trigger, const stereo::TargetPoints& 
   const bool measured =
       judgement.verdict == Verdict::kFound && reported.status != stereo::FixStatus::kPredicted;
   const int visible = own.Visible();
-  if (visible >= 2) {
-    const auto count = [measured](FoundOf& of) { ++of.frames, of.found += measured ? 1 : 0; };
-    if (visible == 4) count(tally_.four);
-    if (visible == 3) count(tally_.three);
-    if (visible == 2 && had_[own.target]) count(tally_.two_locked);
-    if (visible >= 3 && !measured && judgement.verdict == Verdict::kLost)
-      Note(trigger, "lost", reported, own, judgement);
-  }
+  const auto count = [measured](FoundOf& of) { ++of.frames, of.found += measured ? 1 : 0; };
+  count(tally_.any);
+  if (visible == 4) count(tally_.four);
+  if (visible == 3) count(tally_.three);
+  if (visible == 2 && had_[own.target]) count(tally_.two_locked);
+  const bool starts = had_[own.target] || trigger == first_;
+  if (visible >= 3 && starts && judgement.verdict == Verdict::kLost)
+    Note(trigger, "lost", reported, own, judgement);
   int& lost = lost_clear_[own.target];
   lost = visible == 4 && !measured ? lost + 1 : 0;
   if (lost == kReacquiredWithin + 1) ++tally_.beyond_reacquisition;
@@ -105,6 +106,7 @@ void TargetCounter::CountOne(std::uint64_t trigger, const stereo::TargetPoints& 
 }
 
 void TargetCounter::Count(std::uint64_t trigger, const pipeline::PairResult& result) {
+  if (tally_.target_frames == 0) first_ = trigger;
   const auto truths = episode_.GetWorld().TruthAt(trigger);
   for (const sim::TargetTruth& own : truths) {
     const stereo::TargetPoints& reported = result.fixes.targets[own.target].state.points;

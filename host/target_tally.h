@@ -28,6 +28,7 @@ struct TargetTally {
   std::size_t off_predicted = 0;
   /// By the number of LEDs that both cameras can measure: unoccluded and 2 px clear of anything else.
   FoundOf four, three;
+  FoundOf any;                           ///< all target-frames, whatever can be seen
   FoundOf two_locked;                    ///< two such LEDs, and a position one frame before
   std::size_t beyond_reacquisition = 0;  ///< runs of lost frames with four such LEDs that are longer than two
   std::vector<std::string> findings;     ///< the first wrong or lost ones
@@ -53,6 +54,7 @@ class TargetCounter {
   std::string label_;
   std::vector<bool> had_;        ///< a position in the frame before
   std::vector<int> lost_clear_;  ///< frames in a row that were lost with four clear LEDs
+  std::uint64_t first_ = 0;      ///< trigger
   TargetTally tally_;
 };
 

@@ -311,7 +311,7 @@ ReportPage MakeTrainReport(const Training& training) {
   for (const std::string& recording : training.recordings) origin += " " + recording;
   ReportPage page("train", "Model of target '" + target.name + "'", origin);
   const auto warnings = TrainingWarnings(training);
-  page.Verdict(warnings.empty() ? Judgement::kGood : Judgement::kCaution,
+  page.Verdict(warnings.empty() ? ReportVerdict::kGood : ReportVerdict::kCaution,
                warnings.empty() ? "The model is good." : "The model is usable, but:", warnings);
   const TrainingReview& review = training.review;
   const auto count = [](std::size_t n) { return ReportNumber(static_cast<double>(n), 0); };

@@ -51,7 +51,7 @@ bool ApplyValues(const TrainingReview& review, bool widening, Training& training
   return changed;
 }
 
-bool LeaveOut(const TrainingReview& review, Training& training) {
+bool LeaveUnmendedOut(const TrainingReview& review, Training& training) {
   std::set<std::size_t> unmended;
   for (const ImageProblem& problem : review.problems) {
     if (problem.mend.which == MendedValue::kNone || problem.mend.matches_more > 0)
@@ -71,7 +71,7 @@ void ApplyMends(const TrainOrder& order, Training& training) {
   for (int round = 0; round < kApplyRounds; ++round) {
     bool changed = ApplyValues(training.review, true, training);
     changed = ApplyValues(training.review, false, training) || changed;
-    changed = LeaveOut(training.review, training) || changed;
+    changed = LeaveUnmendedOut(training.review, training) || changed;
     if (!changed) return;
     training.review = ReviewImages(training.model, training.images, order.options.noise_px);
   }

@@ -52,7 +52,7 @@ double& ValueOf(MendedValue which, Model& model) {
   }
 }
 
-std::string Digits(double value, int digits = 4) {
+std::string ShortNumber(double value, int digits = 4) {
   std::ostringstream text;
   text.precision(digits);
   text << value;
@@ -112,9 +112,9 @@ class ImageReviewer {
     for (const TrainingHit* hit : passing_[image]) {
       if (hit == *own) continue;
       ImageProblem problem{image, ProblemKind::kSecondMatch, *hit, Cut(*hit, &(*own)->figures), {}, {}};
-      problem.finding = "second match: p2 " + Digits(hit->figures.p2) + ", collinearity " +
-                        Digits(hit->figures.collinearity, 2) + ", " + Digits(hit->figures.length_px, 3) +
-                        " px long";
+      problem.finding = "second match: p2 " + ShortNumber(hit->figures.p2) + ", collinearity " +
+                        ShortNumber(hit->figures.collinearity, 2) + ", " +
+                        ShortNumber(hit->figures.length_px, 3) + " px long";
       problem.proposal = problem.mend.which == MendedValue::kNone
                              ? "looks like the target (a reflection?): leave the image out"
                              : Proposal(problem.mend, "discards it");
@@ -127,9 +127,9 @@ class ImageReviewer {
     const double rms_px = hit.figures.collinearity * hit.figures.length_px;
     if (rms_px <= review_.collinearity_limit_px) return;
     ImageProblem problem{image, ProblemKind::kNonCollinear, hit, Cut(hit, nullptr, true), {}, {}};
-    problem.finding = "match of non-collinear blobs: " + Digits(rms_px, 2) +
-                      " px rms off their line; noise explains " + Digits(review_.collinearity_limit_px, 2) +
-                      " px";
+    problem.finding = "match of non-collinear blobs: " + ShortNumber(rms_px, 2) +
+                      " px rms off their line; noise explains " +
+                      ShortNumber(review_.collinearity_limit_px, 2) + " px";
     problem.proposal = problem.mend.which == MendedValue::kNone ? "leave the image out"
                                                                 : Proposal(problem.mend, "discards it");
     review_.problems.push_back(problem);
@@ -172,7 +172,7 @@ class ImageReviewer {
   }
 
   std::string Proposal(const Mend& mend, const std::string& effect) const {
-    std::string text = std::string(NameOf(mend.which)) + " " + Digits(mend.value) + " " + effect +
+    std::string text = std::string(NameOf(mend.which)) + " " + ShortNumber(mend.value) + " " + effect +
                        " and loses " + std::to_string(mend.hits_lost) + " of " +
                        std::to_string(good_.size()) + " hits";
     if (mend.matches_more > 0)
@@ -241,7 +241,8 @@ class ImageReviewer {
 
   void DescribeMiss(MendedValue missed, int values, double miss, ImageProblem& problem) const {
     problem.finding = std::string("no match: the nearest quadruple misses ") + NameOf(missed) + " by " +
-                      Digits(100 * miss, 2) + " %" + (missed <= MendedValue::kP2Max ? " of the range" : "");
+                      ShortNumber(100 * miss, 2) + " %" +
+                      (missed <= MendedValue::kP2Max ? " of the range" : "");
     if (values > 1) {
       problem.finding += ", and " + std::to_string(values - 1) + " other";
       problem.proposal = "misses more than one value: leave the image out";

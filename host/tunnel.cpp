@@ -128,6 +128,8 @@ void Tunnel::Hide(std::size_t target, std::size_t led, int side, const sim::Inte
   constexpr double kBeforeM = 0.6;  // from the LED towards the eye: the other eye sees past
   constexpr double kPlateM = 0.09;
   constexpr int kLegs = 8;
+  // The target stands still before its ride and after it; the plate must follow it during it.
+  const double from_s = std::max(when.from_s, 0.0), to_s = std::min(when.to_s, seconds_);
   const Vector3d right_eye_m = scene_.rig.T_r_l.Inverse().translation_m;
   const sim::SceneTarget& bar = scene_.targets[target];
   for (int eye = 0; eye < 2; ++eye) {
@@ -135,7 +137,7 @@ void Tunnel::Hide(std::size_t target, std::size_t led, int side, const sim::Inte
     const Vector3d eye_m = eye == 0 ? Vector3d(Vector3d::Zero()) : right_eye_m;
     sim::Course course;
     for (int i = 0; i <= kLegs; ++i) {
-      const double t_s = when.from_s + (when.to_s - when.from_s) * i / kLegs;
+      const double t_s = from_s + (to_s - from_s) * i / kLegs;
       const Vector3d led_m = bar.motion->At(t_s) * (bar.led1_m + bar.target.leds_m[led] * bar.direction);
       course.waypoints.push_back({t_s, led_m + kBeforeM * (eye_m - led_m).normalized(), Vector3d::UnitX()});
     }

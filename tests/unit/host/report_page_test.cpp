@@ -14,13 +14,13 @@ using adit::host::HistogramOf;
 using adit::host::HtmlText;
 using adit::host::JsonNumber;
 using adit::host::JsonText;
-using adit::host::Judgement;
 using adit::host::Plot;
 using adit::host::PlotMark;
 using adit::host::PlotSvg;
 using adit::host::ReadableNumber;
 using adit::host::ReportNumber;
 using adit::host::ReportPage;
+using adit::host::ReportVerdict;
 using adit::host::ReportWords;
 using adit::host::Ticks;
 
@@ -63,7 +63,7 @@ Plot OnePlot() {
 
 ReportPage OnePage() {
   ReportPage page("train", "Model of 'a<b>'", "rec & more");
-  page.Verdict(Judgement::kCaution, "usable, but:", {"one \"reason\""});
+  page.Verdict(ReportVerdict::kCaution, "usable, but:", {"one \"reason\""});
   page.Section("Figures");
   page.Paragraph("text");
   page.Facts({{"baseline_m", "baseline", ReportNumber(9.00024, 3), "m"}});

@@ -13,7 +13,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kWrongChi2 = 31.3;  // 99.9 % of 11 degrees of freedom
-constexpr double kBarResidualMagnified = 300;
 constexpr int kBarColumns = 8, kBarRows = 6;
 constexpr std::size_t kBarVectorsMax = 1200;
 
@@ -25,6 +24,15 @@ struct SeenBar {
   double length_error_m = 0, length_sigma_m = 0;
   stereo::BarResiduals residuals_px = stereo::BarResiduals::Zero();  ///< seen minus measured
 };
+
+double ChiSquareOf(const stereo::BarObservations& observations, const stereo::BarResiduals& residuals_px) {
+  double chi2 = 0;
+  for (std::size_t i = 0; i < 2 * base::kLedCount; ++i) {
+    const Vector2d residual_px = residuals_px.segment<2>(static_cast<Eigen::Index>(2 * i));
+    chi2 += (observations[i / 2][i % 2].Whitener(0) * residual_px).squaredNorm();
+  }
+  return chi2;
+}
 
 /// None for wrong pairs.
 std::optional<SeenBar> Look(const stereo::Views& views, const base::Target& target, const StereoBar& bar) {
@@ -39,7 +47,7 @@ std::optional<SeenBar> Look(const stereo::Views& views, const base::Target& targ
     leds_m[i] = led->point_b_m, covariances[i] = led->covariance_m2;
   }
   const auto fit = stereo::FitBar(views, target, observations, leds_m);
-  if (!fit || stereo::ChiSquare(views, target, observations, *fit, {}) > kWrongChi2) return std::nullopt;
+  if (!fit || !(ChiSquareOf(observations, fit->residuals_px) <= kWrongChi2)) return std::nullopt;
   SeenBar seen;
   seen.bar = &bar;
   seen.centre_b_m = fit->bar.centre_b_m;
@@ -87,7 +95,7 @@ Plot BarResidualPlot(const std::vector<SeenBar>& bars, const optics::CameraModel
   plot.note =
       "Of rigid bars. A common direction in one region is a lens that the camera file does not describe.";
   FrameCamera(camera, plot);
-  PlotVectors vectors{"residual", "px", kBarResidualMagnified, {}, {}};
+  PlotVectors vectors{"residual", "px", 1, {}, {}};
   const std::size_t stride = 1 + bars.size() * base::kLedCount / kBarVectorsMax;
   for (std::size_t i = 0; i < bars.size() * base::kLedCount; i += stride) {
     const SeenBar& seen = bars[i / base::kLedCount];
@@ -95,6 +103,7 @@ Plot BarResidualPlot(const std::vector<SeenBar>& bars, const optics::CameraModel
     vectors.places.push_back((side == 0 ? seen.bar->left : seen.bar->right)[led].ideal_px);
     vectors.steps.push_back(seen.residuals_px.segment<2>(static_cast<Eigen::Index>(4 * led + 2 * side)));
   }
+  vectors.magnified = RoundMagnification(vectors.steps, camera.width_px);
   plot.vectors.push_back(std::move(vectors));
   return plot;
 }
@@ -141,7 +150,7 @@ ReportPage MakeCalibrateReport(const CalibrationPicture& picture) {
   for (const SeenBar& seen : bars) inside += std::abs(seen.length_error_m) <= 2 * seen.length_sigma_m ? 1 : 0;
   ReportPage page("calibrate", "Relative pose of two cameras", picture.origin);
   page.Verdict(picture.verdict,
-               picture.verdict == ReportVerdict::kGood ? "Good." : "Usable, but:", picture.reservations);
+               picture.verdict == ReportVerdict::kGood ? "Accepted." : "Usable, but:", picture.reservations);
   std::vector<ReportFact> facts = picture.facts;
   const auto count = [](std::size_t n) { return ReportNumber(static_cast<double>(n), 0); };
   facts.insert(

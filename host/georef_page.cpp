@@ -63,9 +63,7 @@ Plot PlanPlot(const Georeferencing& result) {
     vectors.steps.push_back(result.fit.Residual(point.common).head<2>());
     extent_m = std::max(extent_m, place.norm());
   }
-  // The largest is drawn about an eighth of the plan long, by a round factor.
-  const double factor = extent_m / 8 / std::max(1e-6, result.largest_m);
-  vectors.magnified = std::pow(10, std::floor(std::log10(factor)));
+  vectors.magnified = RoundMagnification(vectors.steps, 4 * extent_m);  // a tenth of the plan: few points
   plot.series = {used};
   if (!unused.points.empty()) plot.series.push_back(unused);
   plot.series.push_back({"left camera", PlotMark::kCross, {{0, 0}}, {}});

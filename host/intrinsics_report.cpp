@@ -6,7 +6,6 @@
 namespace adit::host {
 namespace {
 
-constexpr double kResidualMagnified = 100;
 constexpr std::size_t kVectorsMax = 1500;
 
 ReportTable ParameterTable(const IntrinsicCalibration& c) {
@@ -78,12 +77,13 @@ Plot ResidualPlot(const IntrinsicCalibration& c) {
   plot.note =
       "They must point anywhere: a common direction in one region is distortion that the model leaves.";
   FrameImage(c.camera, plot);
-  PlotVectors vectors{"residual", "px", kResidualMagnified, {}, {}};
+  PlotVectors vectors{"residual", "px", 1, {}, {}};
   const std::size_t stride = 1 + c.marks.size() / kVectorsMax;
   for (std::size_t i = 0; i < c.marks.size(); i += stride) {
     vectors.places.push_back(c.marks[i].image_px);
     vectors.steps.push_back(c.marks[i].residual_px);
   }
+  vectors.magnified = RoundMagnification(vectors.steps, c.camera.width_px);
   plot.vectors.push_back(std::move(vectors));
   return plot;
 }

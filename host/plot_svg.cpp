@@ -341,6 +341,18 @@ PlotHistogram HistogramOf(const std::string& name, const std::vector<double>& va
   return histogram;
 }
 
+double RoundMagnification(const std::vector<Vector2d>& steps, double extent) {
+  double squares = 0;
+  for (const Vector2d& step : steps) squares += step.allFinite() ? step.squaredNorm() : 0;
+  if (!(squares > 0)) return 1;
+  const double wanted = extent / 40 / std::sqrt(squares / static_cast<double>(steps.size()));
+  const double power = std::pow(10, std::floor(std::log10(wanted)));
+  for (const double digit : {5.0, 2.0}) {
+    if (digit * power <= wanted) return digit * power;
+  }
+  return power;
+}
+
 std::vector<double> Ticks(double from, double to, int count, bool logarithmic) {
   std::vector<double> ticks;
   const double slack = 1e-9 * (to - from);

@@ -65,6 +65,10 @@ struct Plot {
 /// `count` classes of equal width over the values, from the smallest to the largest.
 PlotHistogram HistogramOf(const std::string& name, const std::vector<double>& values, int count);
 
+/// 1, 2 or 5 times a power of ten, so that the rms of `steps` becomes about a fortieth of `extent`: how much
+/// to magnify residuals. 1 if there is nothing to see.
+double RoundMagnification(const std::vector<Eigen::Vector2d>& steps, double extent);
+
 /// Places of round ticks in [from, to], about `count` of them: 1, 2 or 5 times a power of ten, or the
 /// decades' 1, 2, 5 on a logarithmic axis.
 std::vector<double> Ticks(double from, double to, int count, bool logarithmic);

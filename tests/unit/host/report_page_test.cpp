@@ -127,6 +127,13 @@ TEST(ReportPage, PutsTicksOnRoundNumbers) {
   DOUBLES_EQUAL(100, logarithmic.back(), 1e-9);
 }
 
+TEST(ReportPage, MagnifiesByRoundFactors) {
+  DOUBLES_EQUAL(2000, adit::host::RoundMagnification({{0.01, 0}, {0, 0.01}}, 1000), 1e-9);
+  DOUBLES_EQUAL(5, adit::host::RoundMagnification({{3, 0}}, 1000), 1e-9);
+  DOUBLES_EQUAL(1, adit::host::RoundMagnification({{0, 0}}, 1000), 0);
+  DOUBLES_EQUAL(1, adit::host::RoundMagnification({}, 1000), 0);
+}
+
 TEST(ReportPage, CountsIntoClasses) {
   const auto histogram = HistogramOf("x", {0, 0.1, 0.95, 1, kNan}, 2);
   DOUBLES_EQUAL(0, histogram.from, 0);

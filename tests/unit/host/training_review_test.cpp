@@ -174,6 +174,20 @@ TEST(TrainingReview, NamesTheDistancesThatNoRecordingShows) {
   STRCMP_EQUAL("30.3 to 110 m", stretches[1].c_str());
 }
 
+TEST(TrainingReview, DoubtsTheTargetFileWhenManyImagesNearlyFit) {
+  for (std::size_t i = 0; i < 20; ++i) {
+    images_[3 * i].hits = {Hit(2.25)};
+    images_[3 * i].hits[0].within_noise = false;
+  }
+  Training training;
+  training.recordings = {"rec"};
+  training.model = Trained(), training.images = images_;
+  training.review = ReviewImages(training.model, training.images, kNoisePx);
+  const std::string page = MakeTrainReport(training).Html();
+  STRCMP_CONTAINS("20 images show a bar", page.c_str());
+  STRCMP_CONTAINS("(p2 2.25, as built 2.2707): measure leds_m again", page.c_str());
+}
+
 TEST(TrainingReview, IsToldOnOnePage) {
   images_[12].hits = {Hit(2.345)};
   Training training;

@@ -9,6 +9,7 @@
 #include "drivers/linux/atomic_file.h"
 #include "firmware/optics/rig.h"
 #include "host/bar_finder.h"
+#include "host/calibrate_report.h"
 #include "host/calibration.h"
 #include "host/calibration_text.h"
 #include "host/failure.h"
@@ -23,6 +24,7 @@ constexpr double kRadPerDeg = 3.14159265358979323846 / 180;
 
 struct CalibrateArguments {
   std::string recording, out;
+  ReportFiles report;
   std::vector<std::string> models, cameras;
   double similarity_max_deg = 60;
 };
@@ -52,6 +54,21 @@ base::Result<CalibrationInput> Gather(const CalibrateArguments& arguments) {
   }
 }
 
+std::vector<ReportFact> QualityFacts(const CalibrationQuality& quality) {
+  const Eigen::Vector3d sigma_urad = 1e6 * quality.sigma_rad;
+  return {{"baseline_m", "baseline", ReportNumber(quality.baseline_m, 4), "m"},
+          {"baseline_sigma_mm", "its sigma", ReportNumber(1e3 * quality.baseline_sigma_m, 2), "mm"},
+          {"pitch_sigma_urad", "sigma of pitch", ReportNumber(sigma_urad.x(), 1), "\u00b5rad"},
+          {"yaw_sigma_urad", "of yaw", ReportNumber(sigma_urad.y(), 1), "\u00b5rad"},
+          {"roll_sigma_urad", "of roll", ReportNumber(sigma_urad.z(), 1), "\u00b5rad"},
+          {"rms_px", "rms of a coordinate", ReportNumber(quality.rms_px, 4), "px"},
+          {"sigma0", "sigma0", ReportNumber(quality.sigma0, 2), ""},
+          {"bar_bias_mm", "mean bar error", ReportNumber(1e3 * quality.bar_bias_m, 2), "mm"},
+          {"bar_rms_mm", "rms of it", ReportNumber(1e3 * quality.bar_rms_m, 2), "mm"},
+          {"nearest_m", "bars from", ReportNumber(quality.nearest_m, 1), "m"},
+          {"farthest_m", "to", ReportNumber(quality.farthest_m, 1), "m"}};
+}
+
 int RunCalibrate(const CalibrateArguments& arguments) {
   const auto input = Gather(arguments);
   if (!input) return Fail("calibrate", input.error());
@@ -60,6 +77,10 @@ int RunCalibrate(const CalibrateArguments& arguments) {
   const auto calibration = Calibrate(*input, options);
   if (!calibration) return Fail("calibrate", calibration.error());
   if (auto written = linux::WriteFileAtomically(arguments.out, FormatCalibration(*calibration)); !written)
+    return Fail("calibrate", written.error());
+  const CalibrationPicture picture{arguments.recording, calibration->rig, input->targets, input->bars,
+                                   QualityFacts(calibration->quality)};
+  if (auto written = WriteReport(MakeCalibrateReport(picture), arguments.report); !written)
     return Fail("calibrate", written.error());
   std::cout << Summary(calibration->quality);
   return 0;
@@ -80,6 +101,8 @@ void AddCalibrate(CLI::App& app, int& exit_code) {
       ->expected(1)
       ->take_all();
   command->add_option("--out", arguments->out, "rig file to write")->required();
+  command->add_option("--report", arguments->report.html, "also write a page with plots here");
+  command->add_option("--json", arguments->report.json, "write the page's figures here");
   command
       ->add_option("--similarity-deg", arguments->similarity_max_deg,
                    "how far a bar's directions in both images may differ")

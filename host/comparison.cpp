@@ -110,6 +110,11 @@ base::Result<Comparison> Compare(const std::vector<TrackRow>& track, const std::
                          match->first.second <= point.mid_exposure_ns + kSameExposureNs;
     sums.Add(point, matches ? match->second : nullptr, visible_min);
     visible += point.visible >= visible_min ? 1 : 0;
+    if (matches && point.visible >= visible_min) {
+      const TrackRow& row = *match->second;
+      out.rows.push_back({point.target, point.epicenter_m, row.position_m - point.epicenter_m, row.sigma_m,
+                          row.bar_m - BarM(point)});
+    }
     used += matches ? 1 : 0;
   }
   // Truth rows of one target are exposures apart, so each match is another row of the track.

@@ -31,8 +31,18 @@ struct Figures {
   }
 };
 
+/// A position and its truth.
+struct ComparedRow {
+  std::string target;
+  Eigen::Vector3d truth_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d error_m = Eigen::Vector3d::Zero();  ///< measured minus true
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();  ///< as stated
+  double bar_error_m = 0;
+};
+
 struct Comparison {
   std::vector<Figures> figures;     ///< per target: all distances, then each range that holds rows
+  std::vector<ComparedRow> rows;    ///< those behind the errors, in the order of the truth
   std::size_t false_positions = 0;  ///< positions of targets that the truth does not hold at that time
 };
 

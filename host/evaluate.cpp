@@ -7,17 +7,23 @@
 
 #include "drivers/linux/atomic_file.h"
 #include "host/comparison.h"
+#include "host/evaluate_report.h"
 #include "host/failure.h"
+#include "host/suites.h"
 
 namespace adit::host {
 namespace {
 
 struct EvaluateArguments {
-  std::string track, truth, json;
+  std::string track, truth, json, report;
   int visible_min = 4;
+  SuiteOrder suite;
 };
 
-int Evaluate(const EvaluateArguments& arguments) {
+int EvaluateTrack(const EvaluateArguments& arguments) {
+  if (arguments.track.empty())
+    return Fail("evaluate",
+                {base::ErrorCode::kUsage, "--track", "is missing; give --track and --truth, or --suite"});
   const auto track = pipeline::LoadTrack(arguments.track);
   if (!track) return Fail("evaluate", track.error());
   const auto truth = sim::ReadTruth(arguments.truth);
@@ -32,18 +38,45 @@ int Evaluate(const EvaluateArguments& arguments) {
     if (auto written = linux::WriteFileAtomically(arguments.json, FormatJson(*comparison)); !written)
       return Fail("evaluate", written.error());
   }
+  const ReportPage page = MakeEvaluateReport(*comparison, arguments.track, arguments.truth);
+  if (auto written = WriteReport(page, {arguments.report, ""}); !written)
+    return Fail("evaluate", written.error());
   std::cout << FormatTable(*comparison);
   return 0;
+}
+
+int Evaluate(const EvaluateArguments& arguments) {
+  if (arguments.suite.suite.empty()) return EvaluateTrack(arguments);
+  SuiteOrder order = arguments.suite;
+  order.json = arguments.json;
+  order.report = arguments.report;
+  return RunSuite(order);
+}
+
+void AddSuiteOptions(CLI::App& command, SuiteOrder& order) {
+  std::string names;
+  for (const std::string& name : SuiteNames()) names += (names.empty() ? "" : ", ") + name;
+  CLI::Option* suite = command.add_option("--suite", order.suite, "run a campaign in simulation: " + names);
+  command.add_option("--case", order.only, "only this case of the suite")->needs(suite);
+  command.add_option("--count", order.count, "how much of it; by default little enough for seconds")
+      ->needs(suite)
+      ->check(CLI::Range(1, 1'000'000'000));
+  command.add_option("--seed", order.seed, "of all that is random")->needs(suite)->capture_default_str();
 }
 
 }  // namespace
 
 void AddEvaluate(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("evaluate", "compare a track with the truth");
+  CLI::App* command =
+      app.add_subcommand("evaluate", "compare a track with the truth, or measure adit itself");
   auto arguments = std::make_shared<EvaluateArguments>();
-  command->add_option("--track", arguments->track, "track file of `adit track`")->required();
-  command->add_option("--truth", arguments->truth, "truth file of `adit simulate`")->required();
+  AddSuiteOptions(*command, arguments->suite);
+  CLI::Option* track = command->add_option("--track", arguments->track, "track file of `adit track`");
+  CLI::Option* truth = command->add_option("--truth", arguments->truth, "truth file of `adit simulate`");
+  track->needs(truth)->excludes("--suite");
+  truth->needs(track);
   command->add_option("--json", arguments->json, "also write the figures here");
+  command->add_option("--report", arguments->report, "also write a page with plots here");
   command
       ->add_option("--min-visible", arguments->visible_min,
                    "LEDs that both cameras must see for a target to count as visible")

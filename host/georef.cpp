@@ -10,6 +10,7 @@
 #include "drivers/linux/atomic_file.h"
 #include "firmware/optics/rig.h"
 #include "host/failure.h"
+#include "host/georef_page.h"
 #include "host/georef_report.h"
 #include "host/provenance.h"
 #include "host/replay.h"
@@ -22,6 +23,7 @@ constexpr double kRadOfDegree = 3.14159265358979323846 / 180;
 struct GeorefArguments {
   ReplayOrder replay;
   std::string track, points, out, surveyor;
+  ReportFiles report;
   int parameters = 6;
   double grid_scale_factor = 1, pitch_deg = 0, roll_deg = 0;
   double control_sigma_mm = 2, rms_limit_mm = 3, residual_limit_mm = 5;
@@ -114,6 +116,9 @@ int RunGeoref(const GeorefArguments& arguments) {
   const auto outcome = Georeference(arguments);
   if (!outcome) return Fail("georef", outcome.error());
   std::cout << FormatGeorefReport(outcome->result, outcome->origin) << std::flush;
+  if (auto written = WriteReport(MakeGeorefPage(outcome->result, outcome->origin), arguments.report);
+      !written)
+    return Fail("georef", written.error());
   if (const auto refusal = outcome->result.Refusal())
     return Fail("georef", {base::ErrorCode::kFailed, arguments.points, *refusal});
   const std::string text = FormatGeorefFile(outcome->result, outcome->origin);
@@ -176,6 +181,8 @@ void AddJudgement(CLI::App* command, GeorefArguments& arguments) {
       ->capture_default_str();
   command->add_option("--operator", arguments.surveyor, "who georeferences, for the report");
   command->add_option("--out", arguments.out, "georeference file to write")->required();
+  command->add_option("--report", arguments.report.html, "also write a page with plots here, refused or not");
+  command->add_option("--json", arguments.report.json, "write the page's figures here");
 }
 
 }  // namespace

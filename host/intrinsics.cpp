@@ -9,6 +9,7 @@
 #include "drivers/linux/atomic_file.h"
 #include "host/board_image.h"
 #include "host/failure.h"
+#include "host/intrinsics_report.h"
 #include "host/intrinsics_text.h"
 #include "host/progress.h"
 
@@ -18,6 +19,7 @@ namespace {
 struct IntrinsicsArguments {
   std::vector<std::string> images;
   std::string board, charuco, out, coverage;
+  ReportFiles report;
   double square_m = 0, marker_m = 0;
 };
 
@@ -74,6 +76,8 @@ int RunIntrinsics(const IntrinsicsArguments& arguments) {
     if (auto written = linux::WriteFileAtomically(arguments.coverage, bytes); !written)
       return Fail(name, written.error());
   }
+  if (auto written = WriteReport(MakeIntrinsicsReport(*calibration, *board), arguments.report); !written)
+    return Fail(name, written.error());
   std::cout << Summary(*calibration, *board);
   return 0;
 }
@@ -99,6 +103,8 @@ void AddIntrinsics(CLI::App& app, int& exit_code) {
   marker->needs(charuco);
   command->add_option("--out", arguments->out, "sensor.yaml to write")->required();
   command->add_option("--coverage", arguments->coverage, "also draw corners and residuals into this PNG");
+  command->add_option("--report", arguments->report.html, "also write a page with plots here");
+  command->add_option("--json", arguments->report.json, "write the page's figures here");
   command->callback([arguments, &exit_code] { exit_code = RunIntrinsics(*arguments); });
 }
 

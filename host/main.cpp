@@ -4,11 +4,14 @@
 #include "host/calibrate.h"
 #include "host/config.h"
 #include "host/demo.h"
+#include "host/diff.h"
 #include "host/evaluate.h"
 #include "host/georef.h"
+#include "host/inspect.h"
 #include "host/intrinsics.h"
 #include "host/serve.h"
 #include "host/simulate.h"
+#include "host/target.h"
 #include "host/track.h"
 #include "host/train.h"
 
@@ -19,12 +22,15 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   adit::host::AddSimulate(app, exit_code);
   adit::host::AddServe(app, exit_code);
+  adit::host::AddTarget(app, exit_code);
   adit::host::AddTrain(app, exit_code);
   adit::host::AddIntrinsics(app, exit_code);
   adit::host::AddCalibrate(app, exit_code);
   adit::host::AddGeoref(app, exit_code);
   adit::host::AddTrack(app, exit_code);
   adit::host::AddEvaluate(app, exit_code);
+  adit::host::AddDiff(app, exit_code);
+  adit::host::AddInspect(app, exit_code);
   adit::host::AddConfig(app, exit_code);
   adit::host::AddDemo(app, exit_code);
   // CLI11 would only say that a command is missing.

@@ -84,6 +84,11 @@ PairReader::PairReader(const recording::Recording& recording, const ImageSize& l
   unpaired_ = recording.left.size() + recording.right.size() - 2 * pairs_.size();
 }
 
+void PairReader::StartAt(std::size_t pair) {
+  ADIT_REQUIRE(loading_.empty() && pair <= pairs_.size());
+  next_ = ahead_ = pair;
+}
+
 void PairReader::ReadAhead() {
   for (; ahead_ < pairs_.size() && loading_.size() < kPairsAhead; ++ahead_) {
     std::array<Loading, 2> both;

@@ -46,6 +46,11 @@ class PairReader {
   std::size_t Pairs() const { return pairs_.size(); }
   std::size_t Unpaired() const { return unpaired_; }
 
+  /// Mid-exposure of a pair.
+  base::TimeNs MidExposureNs(std::size_t pair) const { return pairs_[pair].images[0].mid_exposure_ns; }
+  /// Leaves out all pairs before this one; only before the first Next.
+  void StartAt(std::size_t pair);
+
   /// The next pair, or none after the last. Declines an image that cannot be read or is not of the camera's
   /// size.
   base::Result<std::optional<ImagePair>> Next();

@@ -11,20 +11,22 @@
 
 #include "drivers/linux/atomic_file.h"
 #include "firmware/optics/rig.h"
-#include "host/bar_finder.h"
 #include "host/failure.h"
-#include "host/pair_reader.h"
-#include "host/progress.h"
-#include "host/training.h"
+#include "host/train_report.h"
+#include "host/train_session.h"
 
 namespace adit::host {
 namespace {
 
 constexpr double kRadPerTiltDeg = 3.14159265358979323846 / 180;
+constexpr std::size_t kProblemLines = 20;
 
 struct TrainArguments {
   std::string target, out, camera, distances = "5:110";
-  std::vector<std::string> recordings;
+  std::vector<std::string> recordings, others;
+  std::vector<base::TimeNs> discarded;
+  bool apply = false;
+  ReportFiles report;
   double noise_px = 0.05, tilt_max_deg = 60;
 };
 
@@ -41,37 +43,6 @@ base::Result<void> ReadDistances(const std::string& text, TrainingOptions& optio
   return {};
 }
 
-/// The camera of one side of a recording: the file given, or the recording's own.
-base::Result<optics::CameraModel> CameraOf(const TrainArguments& arguments, const std::string& recording,
-                                           const std::string& side, std::string& file) {
-  file = arguments.camera.empty() ? recording + "/" + side + "/sensor.yaml" : arguments.camera;
-  return optics::LoadCamera(file);
-}
-
-/// Counts the hits of `wide` in all images of one recording.
-base::Result<void> CountRecording(const TrainArguments& arguments, const std::string& recording,
-                                  const identify::Model& wide, TrainingTally& tally) {
-  std::string left_file, right_file;
-  const auto left = CameraOf(arguments, recording, "cam0", left_file);
-  if (!left) return left.error();
-  const auto right = CameraOf(arguments, recording, "cam1", right_file);
-  if (!right) return right.error();
-  auto reader =
-      PairReader::Open(recording, ImageSize::Of(*left, left_file), ImageSize::Of(*right, right_file));
-  if (!reader) return reader.error();
-  BarFinder finder(*left, *right, {wide});
-  Progress progress("train", reader->Pairs());
-  for (;;) {
-    const auto pair = reader->Next();
-    if (!pair) return pair.error();
-    if (!pair->has_value()) return {};
-    finder.Search(**pair);
-    Count(finder.Sightings(base::Side::kLeft), tally);
-    Count(finder.Sightings(base::Side::kRight), tally);
-    progress.Step();
-  }
-}
-
 std::string GeometryText(const TrainArguments& arguments, const TrainingOptions& options) {
   std::ostringstream text;
   text << "geometry: " << options.nearest_m << " to " << options.farthest_m << " m, leaning up to "
@@ -80,49 +51,72 @@ std::string GeometryText(const TrainArguments& arguments, const TrainingOptions&
   return text.str();
 }
 
-base::Result<identify::Model> Trained(const TrainArguments& arguments) {
+base::Result<TrainOrder> OrderOf(const TrainArguments& arguments) {
+  TrainOrder order;
   const auto target = identify::LoadTarget(arguments.target);
   if (!target) return target.error();
-  TrainingOptions options;
-  options.noise_px = arguments.noise_px;
-  options.tilt_max_rad = arguments.tilt_max_deg * kRadPerTiltDeg;
-  if (auto read = ReadDistances(arguments.distances, options); !read) return read.error();
-  if (!arguments.camera.empty()) {
-    const auto camera = optics::LoadCamera(arguments.camera);
+  order.target = *target;
+  order.target_file = arguments.target;
+  order.camera = arguments.camera;
+  order.options.noise_px = arguments.noise_px;
+  order.options.tilt_max_rad = arguments.tilt_max_deg * kRadPerTiltDeg;
+  if (auto read = ReadDistances(arguments.distances, order.options); !read) return read.error();
+  // The model is for all cameras that see the target; the first recording's stands for them.
+  const std::string camera_file = !arguments.camera.empty() || arguments.recordings.empty()
+                                      ? arguments.camera
+                                      : arguments.recordings[0] + "/cam0/sensor.yaml";
+  if (!camera_file.empty()) {
+    const auto camera = optics::LoadCamera(camera_file);
     if (!camera) return camera.error();
-    options.focal_px = camera->fu_px;
+    order.options.focal_px = camera->fu_px;
+    order.size_px = {camera->width_px, camera->height_px};
   }
-  identify::Model model = GeometryModel(*target, options);
-  model.trained_on = GeometryText(arguments, options);
-  if (arguments.recordings.empty()) return model;
+  order.recordings = arguments.recordings;
+  order.discarded = arguments.discarded;
+  order.apply = arguments.apply;
+  for (const std::string& file : arguments.others) {
+    const auto other = identify::LoadModel(file);
+    if (!other) return other.error();
+    order.others.push_back(*other);
+  }
+  return order;
+}
 
-  TrainingTally tally;
-  for (const std::string& recording : arguments.recordings) {
-    if (auto counted = CountRecording(arguments, recording, model, tally); !counted) return counted.error();
+void PrintReview(const Training& training) {
+  const TrainingReview& review = training.review;
+  std::cout << training.images.size() << " images: " << review.one << " with one hit, " << review.none
+            << " with none (" << review.absent << " of them with nothing like it), " << review.several
+            << " with several\n";
+  for (const std::string& applied : training.applied) std::cout << "  done: " << applied << "\n";
+  std::size_t shown = 0;
+  for (const ImageProblem& problem : review.problems) {
+    if (++shown > kProblemLines) break;
+    const TrainingImage& image = training.images[problem.image];
+    std::cout << "  " << image.mid_exposure_ns << (image.side == base::Side::kLeft ? " cam0: " : " cam1: ")
+              << problem.finding << "; " << problem.proposal << "\n";
   }
-  const std::string counts = std::to_string(tally.none + tally.one + tally.several) +
-                             " images: " + std::to_string(tally.one) + " with one hit, " +
-                             std::to_string(tally.none) + " with none, " + std::to_string(tally.several) +
-                             " with several";
-  if (tally.one == 0) {
-    return base::Error{base::ErrorCode::kFailed, arguments.recordings.front(),
-                       "shows '" + target->name + "' in no image exactly once (" + counts +
-                           "); check leds_m in " + arguments.target};
-  }
-  std::cout << counts << "\n";
-  identify::Model refined = RefinedModel(NoiseRanges(*target, options), tally);
-  refined.trained_on = std::to_string(tally.one) + " images, and " + model.trained_on;
-  return refined;
+  if (review.problems.size() > kProblemLines)
+    std::cout << "  and " << review.problems.size() - kProblemLines << " more: --report\n";
 }
 
 int RunTrain(const TrainArguments& arguments) {
-  const auto model = Trained(arguments);
-  if (!model) return Fail("train", model.error());
-  if (auto written = linux::WriteFileAtomically(arguments.out, identify::FormatModel(*model)); !written)
+  const auto order = OrderOf(arguments);
+  if (!order) return Fail("train", order.error());
+  auto training = Train(*order);
+  if (!training) return Fail("train", training.error());
+  identify::Model& model = training->model;
+  model.trained_on =
+      (training->images.empty() ? "" : std::to_string(training->review.one) + " images, and ") +
+      GeometryText(arguments, order->options);
+  if (auto written = linux::WriteFileAtomically(arguments.out, identify::FormatModel(model)); !written)
     return Fail("train", written.error());
-  std::cout << std::setprecision(5) << model->target.name << ": p2 " << model->p2_min << " to "
-            << model->p2_max << ", collinearity " << model->collinearity_max << ", length "
-            << model->length_min_px << " to " << model->length_max_px << " px\n";
+  if (auto written = WriteReport(MakeTrainReport(*training), arguments.report); !written)
+    return Fail("train", written.error());
+  if (!training->images.empty()) PrintReview(*training);
+  for (const std::string& warning : TrainingWarnings(*training)) std::cout << "note: " << warning << "\n";
+  std::cout << std::setprecision(5) << model.target.name << ": p2 " << model.p2_min << " to " << model.p2_max
+            << ", collinearity " << model.collinearity_max << ", length " << model.length_min_px << " to "
+            << model.length_max_px << " px\n";
   return 0;
 }
 
@@ -144,6 +138,13 @@ void AddTrain(CLI::App& app, int& exit_code) {
   command->add_option("--noise-px", arguments->noise_px, "standard deviation of a centroid")
       ->check(CLI::Range(0.001, 1.0))
       ->capture_default_str();
+  command->add_option("--other", arguments->others, "model of a target that must not be taken for this one")
+      ->expected(1)
+      ->take_all();
+  command->add_flag("--apply", arguments->apply, "take over the values that are proposed for problem images");
+  command->add_option("--discard", arguments->discarded, "times of images to leave out, ns");
+  command->add_option("--report", arguments->report.html, "write a page with plots here");
+  command->add_option("--json", arguments->report.json, "write the page's figures here");
   command->callback([arguments, &exit_code] { exit_code = RunTrain(*arguments); });
 }
 

@@ -1,7 +1,6 @@
 #include "host/training.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "firmware/identify/p2_invariant.h"
@@ -108,24 +107,10 @@ Model GeometryModel(const base::Target& target, const TrainingOptions& options) 
   return model;
 }
 
-void Count(const identify::SightingSet& sightings, TrainingTally& tally) {
-  std::vector<std::array<std::uint16_t, base::kLedCount>> hits;
-  for (const identify::Sighting& sighting : sightings.sightings) {
-    auto blobs = sighting.blobs;
-    std::sort(blobs.begin(), blobs.end());
-    if (std::find(hits.begin(), hits.end(), blobs) == hits.end()) hits.push_back(blobs);
-  }
-  if (hits.empty()) {
-    ++tally.none;
-  } else if (hits.size() > 1) {
-    ++tally.several;
-  } else {
-    ++tally.one;
-    const identify::Sighting& hit = sightings.sightings[0];
-    tally.samples.push_back({static_cast<double>(hit.p2),
-                             static_cast<double>(hit.collinearity_px / hit.length_px),
-                             static_cast<double>(hit.length_px)});
-  }
+TrainingSample SampleOf(const identify::Sighting& sighting) {
+  return {static_cast<double>(sighting.p2),
+          static_cast<double>(sighting.collinearity_px / sighting.length_px),
+          static_cast<double>(sighting.length_px)};
 }
 
 Model RefinedModel(const Model& noise, const TrainingTally& tally) {

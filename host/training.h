@@ -40,8 +40,7 @@ struct TrainingTally {
   std::vector<TrainingSample> samples;         ///< of images with one hit
 };
 
-/// Counts one image. Sightings of the same four blobs (a layout that reads from both ends) are one hit.
-void Count(const identify::SightingSet& sightings, TrainingTally& tally);
+TrainingSample SampleOf(const identify::Sighting& sighting);
 
 /// The noise ranges, widened to what was measured: the middle 99 % of the samples and a fifth of that width
 /// on either side; lengths as measured with 10 % on either side. The tails are left out, because a lamp may

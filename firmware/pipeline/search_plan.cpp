@@ -87,17 +87,20 @@ const SearchPlan& SearchPlanner::Next(const stereo::PointSet& points) {
   plan_.seen_ns = points.stamp.mid_exposure_ns;
   plan_.led_count = 0;
   std::size_t followed = 0;
-  bool lost = false;
+  bool lost = false, entered = false;
   for (const stereo::TargetPoints& target : points.targets) {
     if (target.status == stereo::FixStatus::kTracked) {
-      followed += Follow(points, target) ? 1 : 0;
+      const bool follows = Follow(points, target);
+      followed += follows ? 1 : 0;
+      entered = entered || !follows;
     } else {
       lost = lost || trails_[target.target].seen_ns != base::kNever;
       trails_[target.target].seen_ns = base::kNever;
     }
   }
   const int apart = followed == points.targets.size() ? kPairsApartFollowed : kPairsApartMissing;
-  plan_.whole = followed == 0 || lost || pairs_since_whole_ >= apart;
+  // One sight tells no speed, hence no window: without a second one at once the target would be lost again.
+  plan_.whole = followed == 0 || lost || entered || pairs_since_whole_ >= apart;
   return plan_;
 }
 

@@ -96,7 +96,8 @@ def georef(work, points, *more):
 def accept(work, points):
     write_gsi(work / "points.gsi", points)
     write_csv(work / "points.csv", points)
-    report = must(*georef(work, work / "points.gsi"))
+    report = must(*georef(work, work / "points.gsi", "--report", work / "georef.html"))
+    expect((work / "georef.html").read_text().count("<svg ") == 3, "the page shows plan, hold-out and distances")
     expect("verdict      accepted" in report, "a good survey is accepted")
     from_gsi = re.sub("points.gsi.*|crc32.*", "", (work / "georef.yaml").read_text())
     must(*georef(work, work / "points.csv"))

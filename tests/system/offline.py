@@ -43,7 +43,7 @@ def shortened(work, scene, rate_hz, frames):
 
 def figures(work, track, truth):
     out = work / "figures.json"
-    must("evaluate", "--track", work / track, "--truth", truth, "--json", out)
+    must("evaluate", "--track", work / track, "--truth", truth, "--json", out, "--report", work / "evaluate.html")
     return json.loads(out.read_text())
 
 
@@ -51,7 +51,8 @@ def render_and_train(work):
     must("simulate", shortened(work, "wave.yaml", 2, 120), "--out", work / "wave")
     must("simulate", shortened(work, "drive.yaml", 4, 80), "--out", work / "drive")
     must("simulate", shortened(work, "lamps.yaml", 8, 40), "--out", work / "lamps")
-    must("train", "--target", work / "scenes/bar_a.yaml", "--recording", work / "wave", "--out", work / "a.yaml")
+    must("train", "--target", work / "scenes/bar_a.yaml", "--recording", work / "wave", "--out", work / "a.yaml",
+         "--report", work / "train.html", "--json", work / "train.json")
     must("train", "--target", work / "scenes/bar_b.yaml", "--camera", work / "wave/cam0/sensor.yaml", "--out",
          work / "b.yaml")
 
@@ -59,7 +60,7 @@ def render_and_train(work):
 def calibrate(work):
     arguments = ["calibrate", "--recording", work / "wave", "--model", work / "a.yaml", "--camera",
                  work / "wave/cam0/sensor.yaml", "--camera", work / "wave/cam1/sensor.yaml", "--out"]
-    must(*arguments, work / "rig.yaml")
+    must(*arguments, work / "rig.yaml", "--report", work / "calibrate.html", "--json", work / "calibrate.json")
     must(*arguments, work / "again.yaml")
     rig = (work / "rig.yaml").read_text()
     expect(rig == (work / "again.yaml").read_text(), "the same recording gives the same rig file")
@@ -95,6 +96,22 @@ def track_lamps(work):
     expect(len(rows) == 2 * 40, f"{len(rows)} rows for 40 pairs and two targets")
     found = [row for row in rows if row[3] != "lost"]
     expect(not found, f"nothing is reported among sixty lamps, but: {found[:1]}")
+
+
+def read_reports(work):
+    for name, plots in [("train", 5), ("calibrate", 6), ("evaluate", 4)]:
+        page = (work / f"{name}.html").read_text()
+        expect(page.count("<svg ") == plots, f"{name}: {page.count('<svg ')} drawings, not {plots}")
+        expect("http" not in page and "<script" not in page, f"{name}: the page needs something from elsewhere")
+    for name in ["train", "calibrate"]:
+        expect(json.loads((work / f"{name}.json").read_text())["tool"] == name, f"{name}: JSON names its tool")
+
+
+def design_targets(work):
+    told = must("target", "design", "--length-m", "1", "--distance-m", "110", "--noise-px", "0.05", "--count", "15",
+                "--out", work / "bars")
+    expect(told.count("leds_m: [") == 15, f"15 bars of 1 m at 110 m: {told}")
+    must("train", "--target", work / "bars/bar_15.yaml", "--other", work / "a.yaml", "--out", work / "bar_15.yaml")
 
 
 def refused(work, code, parts, *arguments):
@@ -149,6 +166,10 @@ def refuse_work(work):
             work / "x.yaml")
     refused(work, 1, ["lamps", "'bar_a'"], "train", "--target", target, "--recording", work / "lamps", "--out",
             work / "x.yaml")
+    refused(work, 2, ["--discard 77", "no image"], "train", "--target", target, "--recording", work / "drive",
+            "--discard", "77", "--out", work / "x.yaml")
+    refused(work, 1, ["--count 99", "more than fit"], "target", "design", "--length-m", "1", "--distance-m", "110",
+            "--noise-px", "0.05", "--count", "99")
     calibrate_lamps = ["calibrate", "--recording", work / "lamps", "--model", work / "a.yaml", "--out",
                        work / "x.yaml", "--camera", sensor]
     refused(work, 2, ["--camera", "twice"], *calibrate_lamps)
@@ -167,7 +188,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="adit_offline_") as folder:
         work = pathlib.Path(folder)
         shutil.copytree(SCENES, work / "scenes")
-        for step in [render_and_train, calibrate, track_drive, track_lamps, refuse_files, refuse_work]:
+        for step in [render_and_train, calibrate, track_drive, track_lamps, read_reports, design_targets, refuse_files, refuse_work]:
             print(f"-- {step.__name__}", flush=True)
             step(work)
     print(f"{len(FAULTS)} faults")

@@ -10,15 +10,12 @@
 
 namespace {
 
-using adit::host::Count;
 using adit::host::GeometryModel;
 using adit::host::NoiseRanges;
 using adit::host::RefinedModel;
 using adit::host::TrainingOptions;
 using adit::host::TrainingTally;
 using adit::identify::Model;
-using adit::identify::Sighting;
-using adit::identify::SightingSet;
 
 /// Targets 1 and 2 of the seed (chapter 5), J = 2.2707 and 2.1109.
 adit::base::Target SeedTarget(int number) {
@@ -40,13 +37,6 @@ double P2Of(const std::array<Eigen::Vector2d, 4>& p) {
   const double lower =
       std::pow(l, 6) - 3 * std::pow(l, 5) + 3 * std::pow(l, 4) - std::pow(l, 3) + 3 * l * l - 3 * l + 1;
   return upper / lower;
-}
-
-Sighting Seen(std::uint16_t first_blob, float p2, float collinearity, float length_px) {
-  Sighting sighting;
-  for (std::uint16_t i = 0; i < 4; ++i) sighting.blobs[i] = static_cast<std::uint16_t>(first_blob + i);
-  sighting.p2 = p2, sighting.length_px = length_px, sighting.collinearity_px = collinearity * length_px;
-  return sighting;
 }
 
 }  // namespace
@@ -100,25 +90,6 @@ TEST(Training, GrowsWithNoiseAndDistance) {
   CHECK_COMPARE(width(near), <, width({}));
   CHECK_COMPARE(width({}), <, width(far));
   CHECK_COMPARE(width({}), <, width(noisy));
-}
-
-TEST(Training, CountsImagesByTheirHits) {
-  TrainingTally tally;
-  SightingSet none, one, both_ways, several;
-  one.sightings.push_back(Seen(0, 2.27F, 0.001F, 100));
-  both_ways = one;
-  Sighting reversed = one.sightings[0];
-  std::reverse(reversed.blobs.begin(), reversed.blobs.end());
-  both_ways.sightings.push_back(reversed);
-  several = one;
-  several.sightings.push_back(Seen(7, 2.27F, 0.001F, 100));
-
-  for (const auto* set : {&none, &one, &both_ways, &several, &several}) Count(*set, tally);
-
-  LONGS_EQUAL(1, tally.none);
-  LONGS_EQUAL(2, tally.one);
-  LONGS_EQUAL(2, tally.several);
-  LONGS_EQUAL(2, tally.samples.size());
 }
 
 TEST(Training, IsNeverNarrowerThanNoiseNeeds) {

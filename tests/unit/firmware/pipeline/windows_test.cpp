@@ -125,6 +125,16 @@ TEST(SearchInWindows, WhatEntersOrComesBackIsFoundTwoPairsLaterAtMost) {
   CHECK(longest_late > 0 && longest_late <= 2);
 }
 
+TEST(SearchInWindows, WhatCameBackStaysFound) {
+  for (int k = 0; k < 3; ++k) Next({0, 1});
+  for (int k = 0; k < 3; ++k) Next({0});
+  for (int k = 0; k < 3; ++k) Next({0, 1});
+  for (int k = 0; k < 6; ++k) {
+    Next({0, 1});
+    CHECK(FixStatus::kTracked == with.StatusOf(1));
+  }
+}
+
 TEST(SearchInWindows, WithNothingFollowedEveryPairIsSearchedAllOver) {
   for (int i = 0; i < 6; ++i) {
     Next({});

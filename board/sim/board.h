@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "drivers/linux/atomic_file.h"
 #include "drivers/linux/realtime.h"
 #include "drivers/linux/signals.h"
 #include "drivers/linux/system_clock.h"
@@ -22,6 +23,7 @@ using linux::MonotonicNs;
 using linux::StopSignals;
 using linux::SystemClock;
 using linux::Wakeup;
+using linux::WriteFileAtomically;
 
 /// One camera as the configuration asks for it.
 struct CameraOrder {

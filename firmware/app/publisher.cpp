@@ -24,6 +24,7 @@ Publisher::Publisher(const PublisherOptions& options, const PublisherSources& so
       fixes_(sources.fixes),
       left_(sources.left),
       right_(sources.right),
+      latency_(sources.latency),
       map_(map),
       bus_(bus) {
   for (std::size_t i = 0; i < options_.targets.size(); ++i) {
@@ -140,7 +141,7 @@ publish::BoxHealth Publisher::CountForMachines(std::int64_t monotonic_ns) const 
     const LaneHealth lane = lanes[i]->Health();
     health.cameras[i].rate_hz = uptime_s > 0 ? static_cast<double>(lane.frames) / uptime_s : 0;
     health.cameras[i].lost =
-        static_cast<std::uint32_t>(lane.camera.missed + lane.camera.incomplete + lane.shed_frames);
+        static_cast<std::uint32_t>(lane.camera.missed + lane.camera.incomplete + lane.Shed());
   }
   if (bus_ != nullptr) {
     const hal::FieldBusHealth bus = bus_->Health();
@@ -187,8 +188,11 @@ void Publisher::Send(const publish::BoxHealth& health) {
     for (const base::CanFrame& frame : encoded_) frames_.push_back(frame);
   }
   const hal::SendOutcome outcome = bus_->SendEpoch({frames_.data(), frames_.size()});
-  if (outcome == hal::SendOutcome::kSent && newest_is_fresh_)
-    packet_to_bus_.Add(clock_.Now() - newest_->last_packet_ns);
+  if (outcome != hal::SendOutcome::kSent || !newest_is_fresh_) return;
+  const base::TimeNs sent_ns = clock_.Now();
+  latency_[Span::kResultToBus].Add(sent_ns - newest_->result_ns);
+  latency_[Span::kPacketToBus].Add(sent_ns - newest_->last_packet_ns);
+  latency_[Span::kExposureToBus].Add(sent_ns - newest_->stamp.mid_exposure_ns);
 }
 
 PublishHealth Publisher::Health() const { return health_.Load(); }

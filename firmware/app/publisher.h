@@ -9,7 +9,6 @@
 #include "board/sim/board.h"
 #include "firmware/app/camera_lane.h"
 #include "firmware/app/fix_record.h"
-#include "firmware/base/histogram.h"
 #include "firmware/base/latest.h"
 #include "firmware/publish/can_encoder.h"
 #include "firmware/publish/epoch.h"
@@ -42,6 +41,7 @@ struct PublisherSources {
   PublishConveyor& fixes;
   const CameraLane& left;
   const CameraLane& right;
+  LatencyTable& latency;  ///< gets the way to the bus, of epochs that told a new pair
 };
 
 /// One thread. `bus` may be null (Modbus only). All that is given outlives it.
@@ -61,8 +61,6 @@ class Publisher {
 
   PublishHealth Health() const;
   hal::FieldBusHealth BusHealth() const { return bus_health_.Load(); }
-  /// From the last packet of a pair to the return of the bus' send, for epochs that told a new pair.
-  const base::DurationHistogram& PacketToBus() const { return packet_to_bus_; }
 
  private:
   void Run();
@@ -79,6 +77,7 @@ class Publisher {
   PublishConveyor& fixes_;
   const CameraLane& left_;
   const CameraLane& right_;
+  LatencyTable& latency_;
   publish::RegisterMap& map_;
   hal::FieldBus* bus_;
   board::SystemClock clock_;
@@ -103,7 +102,6 @@ class Publisher {
   std::atomic<std::uint32_t> modbus_clients_{0};
   base::Latest<PublishHealth> health_;
   base::Latest<hal::FieldBusHealth> bus_health_;
-  base::DurationHistogram packet_to_bus_;
 };
 
 }  // namespace adit::app

@@ -80,6 +80,7 @@ struct BoxConfig {
   PublishConfig publish;
   RealtimeConfig realtime;
   std::string track_log;
+  std::string health_report;  ///< file; empty: none
 
   std::string folder;       ///< of the file it was read from
   std::uint32_t crc32 = 0;  ///< of the file's bytes: a changed configuration shows on the bus

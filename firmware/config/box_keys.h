@@ -89,6 +89,8 @@ void DescribeBox(BoxConfig& c, Visitor& v) {
   v.Numbers("cpus", c.realtime.cpus, 0, {0, 1023}, {"", "processors for the hot threads; empty: any"});
   v.Leave();
   v.Text("track_log", c.track_log, {"", "file that gets one row per pair and target; empty: none"});
+  v.Text("health_report", c.health_report,
+         {"", "file replaced every second, counters and latencies for adit latency; best in memory (/run)"});
 }
 
 }  // namespace adit::config

@@ -91,6 +91,8 @@ std::unique_ptr<hal::Camera> MakeCamera(const CameraOrder& order, const hal::Clo
   settings.trigger_source = order.trigger_source;
   settings.ptp = order.ptp;
   settings.buffers = order.buffers;
+  const std::string name = order.side == base::Side::kLeft ? "receive-left" : "receive-right";
+  settings.prepare_receiving = [name, priority = order.priority] { PrepareThread(name, priority, -1); };
   return std::make_unique<aravis::AravisCamera>(settings, clock);
 }
 

@@ -39,6 +39,7 @@ struct CameraOrder {
   std::string trigger_source;
   bool ptp = true;
   int buffers = 16;
+  int priority = 0;                             ///< of the driver's receiving thread, as for PrepareThread
   base::TimeNs replay_epoch_ns = base::kNever;  ///< when a recording begins again; the same for both sides
 };
 

@@ -37,6 +37,7 @@ board::CameraOrder OrderOf(const config::BoxConfig& config, base::Side side,
   order.trigger_source = cameras.trigger_source;
   order.ptp = cameras.ptp;
   order.buffers = static_cast<int>(cameras.buffers);
+  order.priority = static_cast<int>(config.realtime.priority);
   return order;
 }
 

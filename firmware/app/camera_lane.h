@@ -73,7 +73,9 @@ class CameraLane {
   LaneHealth Health() const;
 
  private:
-  static constexpr std::size_t kFramesWaiting = 4;     // 67 ms at 60 Hz: older images are not worth the wait
+  // 133 ms at 60 Hz: a receiver that the system woke late delivers so many at once, and they are detected
+  // within one period. What waits longer is told as old anyway.
+  static constexpr std::size_t kFramesWaiting = 8;
   static constexpr std::size_t kBlobSetsWaiting = 32;  // the pairer may hold 16 of them
 
   void Grab();

@@ -57,6 +57,22 @@ def start(*command):
     sys.exit(f"FAILED: {command[0]} did not start")
 
 
+def start_cameras(adit, scene):
+    """Cameras that serve frames rendered ahead. They are devices of their own, so they go before all that is ordinary here."""
+    cameras = start(adit, "serve", scene, "--ahead", "16")
+    try:
+        for tid in os.listdir(f"/proc/{cameras.pid}/task"):
+            os.setpriority(os.PRIO_PROCESS, int(tid), -15)
+    except PermissionError:
+        print("the simulated cameras run like any program here: what they are late with is not adit's")
+    return cameras
+
+
+def skipped_triggers(said):
+    """How many images the simulated cameras were too late to send, from what they said at their end."""
+    return sum(int(number) for number in re.findall(r"(?m)^late (\d+)$", said))
+
+
 def stop(process):
     """Ends it in its own way; what it still said."""
     process.terminate()
@@ -72,6 +88,7 @@ class Report:
         self.latency = {}
         for span, rest in re.findall(r"(?m)^  - {span: (\w+), (.*)}$", text):
             self.latency[span] = {key: float(value) for key, value in re.findall(r"(\w+): ([\d.]+)", rest)}
+        self.uptime_s = float(re.search(r"(?m)^uptime_s: (.*)$", text).group(1))
         self.refused = "".join(re.findall(r'(?m)^realtime: "(.*)"$', text))
 
     def unaccounted(self, side):

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "drivers/aravis/aravis_camera.h"
+#include "drivers/linux/atomic_file.h"
 #include "drivers/modbus/modbus_server.h"
 #include "drivers/recording/recording_camera.h"
 #include "drivers/socketcan/candump_bus.h"
@@ -94,6 +95,10 @@ std::unique_ptr<hal::Camera> MakeCamera(const CameraOrder& order, const hal::Clo
   const std::string name = order.side == base::Side::kLeft ? "receive-left" : "receive-right";
   settings.prepare_receiving = [name, priority = order.priority] { PrepareThread(name, priority, -1); };
   return std::make_unique<aravis::AravisCamera>(settings, clock);
+}
+
+base::Result<void> ReplaceFile(const std::string& path, const std::string& bytes) {
+  return linux::WriteFileAtomically(path, bytes, linux::Flush::kNo);
 }
 
 void PrepareThread(const std::string& name, int priority, int cpu) {

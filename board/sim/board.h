@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 
-#include "drivers/linux/atomic_file.h"
 #include "drivers/linux/realtime.h"
 #include "drivers/linux/signals.h"
 #include "drivers/linux/system_clock.h"
@@ -23,7 +22,6 @@ using linux::MonotonicNs;
 using linux::StopSignals;
 using linux::SystemClock;
 using linux::Wakeup;
-using linux::WriteFileAtomically;
 
 /// One camera as the configuration asks for it.
 struct CameraOrder {
@@ -70,6 +68,10 @@ class RegisterServer {
 /// Serves Modbus TCP from a thread of its own; `handler` outlives the server. Declines with address and port.
 base::Result<std::unique_ptr<RegisterServer>> ServeModbus(const std::string& address, int port,
                                                           hal::RequestHandler& handler);
+
+/// Replaces a file as a whole; what reads it sees the old one or the new one. Not flushed: it may be lost
+/// with the power. Declines with the file.
+base::Result<void> ReplaceFile(const std::string& path, const std::string& bytes);
 
 /// Names the calling thread and asks for its priority (0: none) and processor (-1: any). What was refused is
 /// kept for RealtimeReport.

@@ -199,13 +199,12 @@ void Box::Stop() {
   // the way of the data: every image that was taken goes through and is counted.
   if (publisher_) publisher_->Stop();
   if (left_) left_->Stop();
+  if (left_camera_) left_camera_->Stop();  // before it runs out of buffers, which nobody gives back now
   if (right_) right_->Stop();
+  if (right_camera_) right_camera_->Stop();
   if (pair_loop_) pair_loop_->Stop();
   track_log_.Stop();
   modbus_.reset();
-  for (hal::Camera* camera : {left_camera_.get(), right_camera_.get()}) {
-    if (camera != nullptr) camera->Stop();
-  }
   running_ = false;
 }
 
@@ -235,8 +234,7 @@ Status Box::TakeStatus() {
 base::Result<void> Box::WriteHealth(const Status& status) const {
   if (config_.health_report.empty()) return {};
   const publish::HealthReport report = ReportOf(status, clock_.Now(), board::RealtimeReport());
-  return board::WriteFileAtomically(config_.Resolve(config_.health_report),
-                                    publish::FormatHealthReport(report));
+  return board::ReplaceFile(config_.Resolve(config_.health_report), publish::FormatHealthReport(report));
 }
 
 }  // namespace adit::app

@@ -247,6 +247,7 @@ std::vector<ImagePair> RenderCrowd(const Crowd& crowd, int count, unsigned seed)
   const std::vector<float> noise = NoiseBank(random);
   const support::SyntheticRig rig = RigOf(crowd.size);
   const std::vector<base::Target> targets = DifferentTargets(crowd.targets);
+  const std::size_t columns = std::min(targets.size(), kColumns);
   const std::size_t rows = (targets.size() + kColumns - 1) / kColumns;
   std::uniform_real_distribution<double> lean(-0.1, 0.1);
   std::vector<ImagePair> pairs;
@@ -254,7 +255,7 @@ std::vector<ImagePair> RenderCrowd(const Crowd& crowd, int count, unsigned seed)
     std::vector<SyntheticBar> bars;
     for (std::size_t t = 0; t < targets.size(); ++t) {
       const double column = static_cast<double>(t % kColumns), row = static_cast<double>(t / kColumns);
-      const Eigen::Vector3d aside(kStepAcrossM * (column - 1.5),
+      const Eigen::Vector3d aside(kStepAcrossM * (column - 0.5 * static_cast<double>(columns - 1)),
                                   kStepDownM * (row - 0.5 * static_cast<double>(rows - 1)), 0);
       bars.push_back(SyntheticBar::At(targets[t], support::Ahead(rig, kAheadM) + aside,
                                       Eigen::Vector3d(1, lean(random), lean(random))));

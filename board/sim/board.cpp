@@ -5,6 +5,7 @@
 
 #include "drivers/aravis/aravis_camera.h"
 #include "drivers/linux/atomic_file.h"
+#include "drivers/linux/udp_port.h"
 #include "drivers/modbus/modbus_server.h"
 #include "drivers/recording/recording_camera.h"
 #include "drivers/socketcan/candump_bus.h"
@@ -55,6 +56,12 @@ base::Result<std::unique_ptr<hal::FieldBus>> OpenFieldBus(const FieldBusOrder& o
   auto bus = socketcan::SocketCanBus::Open(order.interface_name);
   if (!bus) return bus.error();
   return std::unique_ptr<hal::FieldBus>(std::move(*bus));
+}
+
+base::Result<std::unique_ptr<hal::DatagramPort>> OpenDatagrams(const std::string& address, int port) {
+  auto datagrams = linux::UdpPort::Open(address, port);
+  if (!datagrams) return datagrams.error();
+  return std::unique_ptr<hal::DatagramPort>(std::move(*datagrams));
 }
 
 base::Result<std::unique_ptr<RegisterServer>> ServeModbus(const std::string& address, int port,

@@ -13,6 +13,7 @@
 #include "drivers/linux/wakeup.h"
 #include "firmware/base/result.h"
 #include "hal/camera.h"
+#include "hal/datagram_port.h"
 #include "hal/field_bus.h"
 #include "hal/request_handler.h"
 
@@ -54,6 +55,9 @@ struct FieldBusOrder {
 /// Opens the bus; declines with the interface or file. `clock` outlives it.
 base::Result<std::unique_ptr<hal::FieldBus>> OpenFieldBus(const FieldBusOrder& order,
                                                           const hal::Clock& clock);
+
+/// Opens the way to a receiver of datagrams; declines with address and port.
+base::Result<std::unique_ptr<hal::DatagramPort>> OpenDatagrams(const std::string& address, int port);
 
 /// Connections that a register server holds at once; one more is refused.
 constexpr std::uint16_t kModbusClientsMax = 32;

@@ -154,6 +154,12 @@ base::Result<void> Box::OpenOutputs() {
     if (!bus) return bus.error();
     bus_ = std::move(*bus);
   }
+  const config::DtrackConfig& dtrack = config_.publish.dtrack;
+  if (!dtrack.address.empty()) {
+    auto datagrams = board::OpenDatagrams(dtrack.address, static_cast<int>(dtrack.port));
+    if (!datagrams) return datagrams.error();
+    datagrams_ = std::move(*datagrams);
+  }
   const config::ModbusConfig& modbus = config_.publish.modbus;
   if (modbus.enabled) {
     answers_ = std::make_unique<Answers>(*map_, static_cast<std::uint8_t>(modbus.unit));
@@ -175,7 +181,8 @@ base::Result<void> Box::Start() {
   // memory or thread is still to be made while frames wait.
   if (config_.realtime.lock_memory) board::LockMemory();
   const PublisherSources sources{pair_loop_->ToPublisher(), *left_, *right_, latency_};
-  publisher_ = std::make_unique<Publisher>(publisher_options_, sources, *map_, bus_.get());
+  publisher_ = std::make_unique<Publisher>(publisher_options_, sources, *map_,
+                                           PublisherOutlets{bus_.get(), datagrams_.get()});
   const auto thread = [this](std::size_t place) {
     const auto& cpus = config_.realtime.cpus;
     return ThreadOptions{static_cast<int>(config_.realtime.priority),

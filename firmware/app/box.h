@@ -65,6 +65,7 @@ class Box {
   std::unique_ptr<CameraLane> left_, right_;
   std::unique_ptr<publish::RegisterMap> map_;
   std::unique_ptr<hal::FieldBus> bus_;
+  std::unique_ptr<hal::DatagramPort> datagrams_;
   std::unique_ptr<Answers> answers_;
   std::unique_ptr<board::RegisterServer> modbus_;
   std::unique_ptr<Publisher> publisher_;

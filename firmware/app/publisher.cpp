@@ -19,14 +19,15 @@ constexpr base::DurationNs kShortestCycleNs = 20 * base::kNsPerMs;
 }  // namespace
 
 Publisher::Publisher(const PublisherOptions& options, const PublisherSources& sources,
-                     publish::RegisterMap& map, hal::FieldBus* bus)
+                     publish::RegisterMap& map, const PublisherOutlets& outlets)
     : options_(options),
       fixes_(sources.fixes),
       left_(sources.left),
       right_(sources.right),
       latency_(sources.latency),
       map_(map),
-      bus_(bus) {
+      bus_(outlets.bus),
+      datagrams_(outlets.datagrams) {
   for (std::size_t i = 0; i < options_.targets.size(); ++i) {
     encoders_.emplace_back(static_cast<std::uint8_t>(options_.node + 2 * i), map.Identity());
   }
@@ -68,10 +69,16 @@ bool Publisher::TakeNewest() {
   while (FixRecord* const record = fixes_.Pop()) {
     if (newest_ != nullptr) fixes_.GiveBack(newest_);
     newest_ = record;
+    if (datagrams_ != nullptr) SendDatagram(*record);
     newest_is_fresh_ = took = true;
     last_fix_monotonic_ns_ = board::MonotonicNs();
   }
   return took;
+}
+
+void Publisher::SendDatagram(const FixRecord& record) {
+  datagrams_->Send(datagram_.Encode(record.fixes, {++datagram_number_, record.stamp.mid_exposure_ns,
+                                                   clock_.Now(), options_.rules.origin_s_m}));
 }
 
 bool Publisher::IsDue(std::int64_t monotonic_ns, bool took, bool faults_changed) const {

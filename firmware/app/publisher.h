@@ -11,8 +11,10 @@
 #include "firmware/app/fix_record.h"
 #include "firmware/base/latest.h"
 #include "firmware/publish/can_encoder.h"
+#include "firmware/publish/dtrack.h"
 #include "firmware/publish/epoch.h"
 #include "firmware/publish/register_map.h"
+#include "hal/datagram_port.h"
 #include "hal/field_bus.h"
 
 namespace adit::app {
@@ -44,11 +46,17 @@ struct PublisherSources {
   LatencyTable& latency;  ///< gets the way to the bus, of epochs that told a new pair
 };
 
-/// One thread. `bus` may be null (Modbus only). All that is given outlives it.
+/// Whom the publisher tells, beside the register map; null: nobody. All of it outlives the publisher.
+struct PublisherOutlets {
+  hal::FieldBus* bus = nullptr;
+  hal::DatagramPort* datagrams = nullptr;  ///< gets every pair
+};
+
+/// One thread. All that is given outlives it.
 class Publisher {
  public:
   Publisher(const PublisherOptions& options, const PublisherSources& sources, publish::RegisterMap& map,
-            hal::FieldBus* bus);
+            const PublisherOutlets& outlets);
   ~Publisher();
 
   void Start(const ThreadOptions& options);
@@ -65,6 +73,7 @@ class Publisher {
  private:
   void Run();
   bool TakeNewest();
+  void SendDatagram(const FixRecord& record);
   bool IsDue(std::int64_t monotonic_ns, bool took, bool faults_changed) const;
   void Tell(std::int64_t monotonic_ns);
   void Send(const publish::BoxHealth& health);
@@ -80,6 +89,9 @@ class Publisher {
   LatencyTable& latency_;
   publish::RegisterMap& map_;
   hal::FieldBus* bus_;
+  hal::DatagramPort* datagrams_;
+  publish::DtrackEncoder datagram_;
+  std::uint32_t datagram_number_ = 0;
   board::SystemClock clock_;
   board::Wakeup wake_;
   std::thread thread_;

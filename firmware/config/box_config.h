@@ -52,6 +52,11 @@ struct ModbusConfig {
   long unit = 1;
 };
 
+struct DtrackConfig {
+  std::string address;  ///< empty: no datagrams
+  long port = 5000;
+};
+
 struct PublishConfig {
   std::vector<std::string> targets;  ///< in the order of nodes and structs; empty: all models
   std::vector<double> site_origin_m{0, 0, 0};
@@ -59,6 +64,7 @@ struct PublishConfig {
   double age_limit_ms = 100;
   CanConfig can;
   ModbusConfig modbus;
+  DtrackConfig dtrack;
 };
 
 struct RealtimeConfig {

@@ -61,6 +61,12 @@ void DescribePublish(PublishConfig& p, Visitor& v) {
   v.Whole("port", p.modbus.port, {1, 65535}, {"", "TCP port"});
   v.Whole("unit", p.modbus.unit, {1, 247}, {"", "own unit id"});
   v.Leave();
+  v.Enter("dtrack");
+  v.Text(
+      "address", p.dtrack.address,
+      {"", "IPv4 address that gets each pair as an ART DTrack datagram, for looking on only; empty: none"});
+  v.Whole("port", p.dtrack.port, {1, 65535}, {"", "its UDP port"});
+  v.Leave();
   v.Leave();
 }
 

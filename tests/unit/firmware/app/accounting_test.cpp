@@ -110,6 +110,7 @@ TEST(Accounting, ThePartsOfTheWayToTheBusAreAllMeasured) {
     CHECK_TEXT(line.latency.At(span).Count() > 0, adit::app::kSpanNames[span].key);
     CHECK_TEXT(line.latency.At(span).Negative() == 0, adit::app::kSpanNames[span].key);
   }
+  CHECK(line.datagrams.Sent() > 10);
   CHECK(line.latency[Span::kExposureToBus].MaxNs() >= line.latency[Span::kPacketToBus].MaxNs());
 }
 

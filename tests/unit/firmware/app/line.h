@@ -1,9 +1,11 @@
 // The threads of a box from two fake cameras to a bus. A bar stands 30 m ahead.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -22,6 +24,16 @@ inline pipeline::Pipeline PipelineOf(const support::SyntheticRig& rig) {
   return std::move(*pipeline);
 }
 
+/// Counts datagrams.
+class CountingPort final : public hal::DatagramPort {
+ public:
+  void Send(std::span<const char> datagram) override { sent_.fetch_add(datagram.empty() ? 0 : 1); }
+  std::uint64_t Sent() const { return sent_.load(); }
+
+ private:
+  std::atomic<std::uint64_t> sent_{0};
+};
+
 /// Runs from its construction until Stop. `given_bus` outlives it.
 struct Line {
   support::SyntheticRig rig = support::ToedInRig();
@@ -34,6 +46,7 @@ struct Line {
   CameraLane left_lane{base::Side::kLeft, {left, pipeline, pairs.Wake(), latency}};
   CameraLane right_lane{base::Side::kRight, {right, pipeline, pairs.Wake(), latency}};
   publish::RegisterMap map{publish::MakeIdentity("1", "0.0.1", 1), {}};
+  CountingPort datagrams;
   std::unique_ptr<Publisher> publisher;
 
   Line(hal::FieldBus& given_bus, double rate_hz)
@@ -45,7 +58,7 @@ struct Line {
     options.period_ns = PeriodNs(rate_hz);
     options.node = kNode;
     const PublisherSources sources{pairs.ToPublisher(), left_lane, right_lane, latency};
-    publisher = std::make_unique<Publisher>(options, sources, map, &given_bus);
+    publisher = std::make_unique<Publisher>(options, sources, map, PublisherOutlets{&given_bus, &datagrams});
     publisher->Start({});
     pairs.Start({}, {left_lane, right_lane, publisher->Wake(), nullptr});
     left_lane.Start({});

@@ -1,6 +1,6 @@
 """The highest rate at which two simulated cameras and aditd lose nothing on this machine, and what gives in first above it.
-Cameras serve frames rendered ahead, so their cost is that of sending. Usage: sustained_rate.py BIN_FOLDER SCENES SCRATCH
-[--seconds N]"""
+Cameras serve frames rendered ahead, so their cost is that of sending; they and the box have real-time rights where the
+system grants them. Usage: sustained_rate.py BIN_FOLDER SCENES SCRATCH [--seconds N]"""
 import argparse
 import os
 import pathlib
@@ -34,7 +34,7 @@ def since(before, after):
 def run(options, resolution, rate_hz):
     """One rate: (lost by kind, pairs a second, cores by thread)."""
     scratch, programs = pathlib.Path(options.scratch), pathlib.Path(options.bin_folder)
-    box_stage.make_box(programs / "adit", pathlib.Path(options.scenes), scratch, rate_hz, resolution=resolution)
+    box_stage.make_box(programs / "adit", pathlib.Path(options.scenes), scratch, rate_hz, box_stage.BOX_PRIORITY, resolution)
     cameras = box_stage.start_cameras(programs / "adit", scratch / "scene.yaml")
     box = box_stage.start(programs / "aditd", "--config", scratch / "box.yaml", "--status")
     time.sleep(SETTLE_S)

@@ -64,7 +64,7 @@ def main():
     parser.add_argument("scenes")
     parser.add_argument("scratch")
     parser.add_argument("--seconds", type=float, default=30)
-    parser.add_argument("--priority", type=int, nargs="*", default=[0, 50])
+    parser.add_argument("--priority", type=int, nargs="*", default=[0, box_stage.BOX_PRIORITY])
     options = parser.parse_args()
     box_stage.enter_namespace()
     failed = False

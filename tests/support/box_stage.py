@@ -57,12 +57,15 @@ def start(*command):
     sys.exit(f"FAILED: {command[0]} did not start")
 
 
+CAMERA_PRIORITY, BOX_PRIORITY = 40, 50  # SCHED_FIFO; whoever receives goes before who sends
+
+
 def start_cameras(adit, scene):
     """Cameras that serve frames rendered ahead. They are devices of their own, so they go before all that is ordinary here."""
     cameras = start(adit, "serve", scene, "--ahead", "16")
     try:
         for tid in os.listdir(f"/proc/{cameras.pid}/task"):
-            os.setpriority(os.PRIO_PROCESS, int(tid), -15)
+            os.sched_setscheduler(int(tid), os.SCHED_FIFO, os.sched_param(CAMERA_PRIORITY))
     except PermissionError:
         print("the simulated cameras run like any program here: what they are late with is not adit's")
     return cameras

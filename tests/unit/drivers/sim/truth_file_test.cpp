@@ -57,8 +57,8 @@ TEST(TruthFile, ReturnsWhatWasWritten) {
 
 TEST(TruthFile, ReadsCrLfAndNoRowsAtAll) {
   const ScratchFolder scratch;
-  std::string text = TruthHeader() + kRow;
-  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) text.insert(at, "\r");
+  std::string text;
+  for (const char c : TruthHeader() + kRow) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
   LONGS_EQUAL(1, ReadTruth(scratch.Write("crlf.csv", text))->size());
   LONGS_EQUAL(0, ReadTruth(scratch.Write("none.csv", TruthHeader()))->size());
 }

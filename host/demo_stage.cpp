@@ -45,7 +45,7 @@ std::string BoxFile(const std::vector<std::string>& targets, double rate_hz, dou
        << "}\n  rate_hz: " << rate_hz << "\n  exposure_us: " << exposure_s * 1e6
        << "\npublish:\n  can: {driver: candump, log: can.log, node: " << static_cast<int>(kNode)
        << "}\n  modbus: {enabled: true, bind: 127.0.0.1, port: " << kModbusPort
-       << "}\ntrack_log: track.csv\n";
+       << "}\ntrack_log: track.csv\nhealth_report: health.yaml\n";
   return text.str();
 }
 

@@ -127,6 +127,7 @@ void AddFlow(const StatusWords& status, const DemoRun& run, std::vector<DemoFind
   latency("latency, trigger to result", "trigger_to_result_ms");
   latency("latency, last packet to result", "packet_to_result_ms");
   latency("latency, last packet to bus", "packet_to_bus_ms");
+  latency("  of it until taken from Aravis", "packet_to_grab_ms");
   findings.push_back(
       {"processor", Figure("aditd %.2f cores, cameras %.2f", run.daemon_cores, run.camera_cores), "", true});
 }

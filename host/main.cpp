@@ -9,6 +9,7 @@
 #include "host/georef.h"
 #include "host/inspect.h"
 #include "host/intrinsics.h"
+#include "host/latency.h"
 #include "host/serve.h"
 #include "host/simulate.h"
 #include "host/target.h"
@@ -32,6 +33,7 @@ int main(int argc, char** argv) {
   adit::host::AddDiff(app, exit_code);
   adit::host::AddInspect(app, exit_code);
   adit::host::AddConfig(app, exit_code);
+  adit::host::AddLatency(app, exit_code);
   adit::host::AddDemo(app, exit_code);
   // CLI11 would only say that a command is missing.
   const auto is_named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };

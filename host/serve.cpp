@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <memory>
@@ -22,10 +23,29 @@ namespace {
 
 constexpr base::DurationNs kLookNs = 50 * base::kNsPerMs;
 constexpr base::DurationNs kLeadNs = base::kNsPerS / 2;  // from starting to trigger 0
+constexpr int kAheadMax = 1000;                          // 2.9 GB of two cameras
 
 struct ServeOptions {
   std::string scene, left = "127.0.0.1", right = "127.0.0.2", truth;
-  double seconds = 0;  ///< 0: until a signal
+  double seconds = 0;       ///< 0: until a signal
+  std::uint64_t ahead = 0;  ///< frames rendered before the start and served again and again; 0: none
+};
+
+/// Frames of one side, rendered ahead: serving them costs a copy.
+class FramesAhead {
+ public:
+  FramesAhead(sim::LiveScene& scene, base::Side side, std::uint64_t count) : bytes_(scene.FrameBytes(side)) {
+    pixels_.resize(count * bytes_);
+    for (std::uint64_t i = 0; i < count; ++i) scene.Render(side, i, pixels_.data() + i * bytes_);
+  }
+  void Copy(std::uint64_t trigger, std::uint8_t* pixels) const {
+    const std::uint64_t count = pixels_.size() / bytes_;
+    std::copy_n(pixels_.data() + trigger % count * bytes_, bytes_, pixels);
+  }
+
+ private:
+  std::size_t bytes_;
+  std::vector<std::uint8_t> pixels_;
 };
 
 base::Result<std::uint32_t> AddressOf(const std::string& text) {
@@ -41,6 +61,9 @@ class CameraPair {
     auto scene = sim::LiveScene::Open(options.scene, sim::NoiseSource::kBank);
     if (!scene) return scene.error();
     std::unique_ptr<CameraPair> pair(new CameraPair(std::move(*scene)));
+    for (const base::Side side : {base::Side::kLeft, base::Side::kRight}) {
+      if (options.ahead > 0) pair->ahead_.emplace_back(*pair->scene_, side, options.ahead);
+    }
     pair->trigger_.start_ns = linux::SystemClock().Now() + kLeadNs;
     pair->trigger_.period_ns = static_cast<base::DurationNs>(
         std::llround(static_cast<double>(base::kNsPerS) / pair->scene_->GetScene().rate_hz));
@@ -86,12 +109,14 @@ class CameraPair {
     options.frame_bytes = scene_->FrameBytes(side);
     cameras_.push_back(
         std::make_unique<sim::GigeCamera>(options, [this, side](std::uint64_t trigger, std::uint8_t* pixels) {
-          scene_->Render(side, trigger, pixels);
+          if (ahead_.empty()) return scene_->Render(side, trigger, pixels);
+          ahead_[static_cast<std::size_t>(side)].Copy(trigger, pixels);
         }));
     return cameras_.back()->Start();
   }
 
   std::unique_ptr<sim::LiveScene> scene_;
+  std::vector<FramesAhead> ahead_;  ///< left, right; empty: each frame is rendered when it is due
   sim::TriggerClock trigger_;
   std::vector<std::unique_ptr<sim::GigeCamera>> cameras_;  // after the scene: their threads end before it
 };
@@ -168,6 +193,9 @@ void AddServe(CLI::App& app, int& exit_code) {
   command->add_option("--truth", options->truth, "file for the truth, written at the end");
   command->add_option("--seconds", options->seconds, "how long; until a signal if not given")
       ->check(CLI::NonNegativeNumber);
+  command->add_option("--ahead", options->ahead, "render so many frames first and serve these in turn")
+      ->check(CLI::Range(0, kAheadMax))
+      ->excludes("--truth");
   command->callback([options, &exit_code] {
     linux::StopSignals signals;  // before any thread starts
     exit_code = RunServe(*options, signals);

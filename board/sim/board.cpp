@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "drivers/aravis/aravis_camera.h"
+#include "drivers/linux/atomic_file.h"
+#include "drivers/linux/udp_port.h"
 #include "drivers/modbus/modbus_server.h"
 #include "drivers/recording/recording_camera.h"
 #include "drivers/socketcan/candump_bus.h"
@@ -56,6 +58,12 @@ base::Result<std::unique_ptr<hal::FieldBus>> OpenFieldBus(const FieldBusOrder& o
   return std::unique_ptr<hal::FieldBus>(std::move(*bus));
 }
 
+base::Result<std::unique_ptr<hal::DatagramPort>> OpenDatagrams(const std::string& address, int port) {
+  auto datagrams = linux::UdpPort::Open(address, port);
+  if (!datagrams) return datagrams.error();
+  return std::unique_ptr<hal::DatagramPort>(std::move(*datagrams));
+}
+
 base::Result<std::unique_ptr<RegisterServer>> ServeModbus(const std::string& address, int port,
                                                           hal::RequestHandler& handler) {
   modbus::ServerOptions options;
@@ -91,7 +99,13 @@ std::unique_ptr<hal::Camera> MakeCamera(const CameraOrder& order, const hal::Clo
   settings.trigger_source = order.trigger_source;
   settings.ptp = order.ptp;
   settings.buffers = order.buffers;
+  const std::string name = order.side == base::Side::kLeft ? "receive-left" : "receive-right";
+  settings.prepare_receiving = [name, priority = order.priority] { PrepareThread(name, priority, -1); };
   return std::make_unique<aravis::AravisCamera>(settings, clock);
+}
+
+base::Result<void> ReplaceFile(const std::string& path, const std::string& bytes) {
+  return linux::WriteFileAtomically(path, bytes, linux::Flush::kNo);
 }
 
 void PrepareThread(const std::string& name, int priority, int cpu) {

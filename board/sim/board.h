@@ -13,6 +13,7 @@
 #include "drivers/linux/wakeup.h"
 #include "firmware/base/result.h"
 #include "hal/camera.h"
+#include "hal/datagram_port.h"
 #include "hal/field_bus.h"
 #include "hal/request_handler.h"
 
@@ -37,6 +38,7 @@ struct CameraOrder {
   std::string trigger_source;
   bool ptp = true;
   int buffers = 16;
+  int priority = 0;                             ///< of the driver's receiving thread, as for PrepareThread
   base::TimeNs replay_epoch_ns = base::kNever;  ///< when a recording begins again; the same for both sides
 };
 
@@ -54,6 +56,9 @@ struct FieldBusOrder {
 base::Result<std::unique_ptr<hal::FieldBus>> OpenFieldBus(const FieldBusOrder& order,
                                                           const hal::Clock& clock);
 
+/// Opens the way to a receiver of datagrams; declines with address and port.
+base::Result<std::unique_ptr<hal::DatagramPort>> OpenDatagrams(const std::string& address, int port);
+
 /// Connections that a register server holds at once; one more is refused.
 constexpr std::uint16_t kModbusClientsMax = 32;
 
@@ -67,6 +72,10 @@ class RegisterServer {
 /// Serves Modbus TCP from a thread of its own; `handler` outlives the server. Declines with address and port.
 base::Result<std::unique_ptr<RegisterServer>> ServeModbus(const std::string& address, int port,
                                                           hal::RequestHandler& handler);
+
+/// Replaces a file as a whole; what reads it sees the old one or the new one. Not flushed: it may be lost
+/// with the power. Declines with the file.
+base::Result<void> ReplaceFile(const std::string& path, const std::string& bytes);
 
 /// Names the calling thread and asks for its priority (0: none) and processor (-1: any). What was refused is
 /// kept for RealtimeReport.

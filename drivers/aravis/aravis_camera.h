@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -25,6 +26,9 @@ struct AravisSettings {
   std::string trigger_source = "Line0";
   bool ptp = true;
   int buffers = 16;
+  /// Called once in each connection's receiving thread, which is Aravis' own: names it, asks for its
+  /// priority.
+  std::function<void()> prepare_receiving;
 };
 
 class Session;

@@ -13,8 +13,12 @@ constexpr guint kPacketTimeoutUs = 5'000;
 // behind it.
 constexpr guint kFrameRetentionUs = 80'000;
 
-/// Called from Aravis' receiving thread: no lock, no heap.
-void OnStreamEvent(void* /*unused*/, ArvStreamCallbackType type, ArvBuffer* buffer) {
+/// Called from Aravis' receiving thread: no lock, no heap once it runs.
+void OnStreamEvent(void* settings, ArvStreamCallbackType type, ArvBuffer* buffer) {
+  if (type == ARV_STREAM_CALLBACK_TYPE_INIT) {
+    const auto& prepare = static_cast<const AravisSettings*>(settings)->prepare_receiving;
+    if (prepare) prepare();
+  }
   if (type != ARV_STREAM_CALLBACK_TYPE_BUFFER_DONE || buffer == nullptr) return;
   auto* const slot = static_cast<Slot*>(const_cast<void*>(arv_buffer_get_user_data(buffer)));
   // relaxed: a lone time stamp.
@@ -134,7 +138,7 @@ base::Result<void> Session::ConfigureTrigger() {
 
 base::Result<void> Session::StartStream(const std::vector<std::unique_ptr<Slot>>& slots) {
   GError* error = nullptr;
-  stream_.reset(arv_camera_create_stream(camera_.get(), OnStreamEvent, nullptr, &error));
+  stream_.reset(arv_camera_create_stream(camera_.get(), OnStreamEvent, &settings_, &error));
   if (!stream_) return Failed("stream", error);
   if (ARV_IS_GV_STREAM(stream_.get())) {
     g_object_set(stream_.get(), "packet-timeout", kPacketTimeoutUs, "frame-retention", kFrameRetentionUs,

@@ -59,7 +59,8 @@ FileDescriptor CreateBeside(const std::string& target, std::string& temporary) {
   return {};
 }
 
-Result<void> FillAndRename(const std::string& path, const std::string& target, std::string_view bytes) {
+Result<void> FillAndRename(const std::string& path, const std::string& target, std::string_view bytes,
+                           Flush flush) {
   struct stat present {};
   const bool exists = stat(target.c_str(), &present) == 0;
   // A rename onto /dev/null or onto a folder would replace the node itself.
@@ -76,7 +77,7 @@ Result<void> FillAndRename(const std::string& path, const std::string& target, s
   if (!WriteAll(file.Get(), bytes)) return give_up("writing");
   if (exists && fchmod(file.Get(), present.st_mode & 07777) != 0) return give_up("keeping its permissions");
   // Before the rename: otherwise a power cut can leave the new name on an empty file.
-  if (fsync(file.Get()) != 0) return give_up("flushing");
+  if (flush == Flush::kYes && fsync(file.Get()) != 0) return give_up("flushing");
   file.Close();
   if (rename(temporary.c_str(), target.c_str()) != 0) return give_up("renaming");
   return {};
@@ -84,9 +85,10 @@ Result<void> FillAndRename(const std::string& path, const std::string& target, s
 
 }  // namespace
 
-Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes) {
+Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes, Flush flush) {
   const std::string target = BehindLinks(path);
-  if (auto done = FillAndRename(path, target, bytes); !done) return done;
+  if (auto done = FillAndRename(path, target, bytes, flush); !done) return done;
+  if (flush == Flush::kNo) return {};
   // The rename itself is on the disk only when the folder is.
   const FileDescriptor folder(open(FolderOf(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!folder || fsync(folder.Get()) != 0) return Failure(path, "flushing its folder");

@@ -8,10 +8,15 @@
 
 namespace adit::linux {
 
+/// Whether a file is on the disk when its writing returns. One that is replaced every second need not be: the
+/// flush would hold up everybody who writes to the same disk.
+enum class Flush : bool { kNo, kYes };
+
 /// Writes `bytes` to `path`: a temporary file in the same folder, fsync, rename, fsync of the folder. After
 /// any failure the old file stands unchanged and the temporary one is gone. A symbolic link stays one: the
 /// file it names is replaced; permissions of an existing file are kept. Declines, naming `path`, when the
 /// folder is missing or not writable, the disk is full, or `path` is something other than a regular file.
-base::Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes);
+base::Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes,
+                                       Flush flush = Flush::kYes);
 
 }  // namespace adit::linux

@@ -37,6 +37,7 @@ board::CameraOrder OrderOf(const config::BoxConfig& config, base::Side side,
   order.trigger_source = cameras.trigger_source;
   order.ptp = cameras.ptp;
   order.buffers = static_cast<int>(cameras.buffers);
+  order.priority = static_cast<int>(config.realtime.priority);
   return order;
 }
 
@@ -120,10 +121,14 @@ Box::Box(const config::BoxConfig& config, const optics::Rig& rig, pipeline::Pipe
   right_camera_ = board::MakeCamera(right, clock_);
   const base::DurationNs period_ns = Nanoseconds(1 / config.cameras.rate_hz);
   // The pairing thread waits on a wake-up of its own, so the lanes come after it.
-  pair_loop_ =
-      std::make_unique<PairLoop>(pipeline_, period_ns, Nanoseconds(config.cameras.exposure_us * 1e-6));
-  left_ = std::make_unique<CameraLane>(*left_camera_, base::Side::kLeft, pipeline_, pair_loop_->Wake());
-  right_ = std::make_unique<CameraLane>(*right_camera_, base::Side::kRight, pipeline_, pair_loop_->Wake());
+  pair_loop_ = std::make_unique<PairLoop>(
+      pipeline_, latency_, TriggerTimes{period_ns, Nanoseconds(config.cameras.exposure_us * 1e-6)});
+  const auto lane = [this](base::Side side, hal::Camera& camera) {
+    return std::make_unique<CameraLane>(side,
+                                        LaneNeighbours{camera, pipeline_, pair_loop_->Wake(), latency_});
+  };
+  left_ = lane(base::Side::kLeft, *left_camera_);
+  right_ = lane(base::Side::kRight, *right_camera_);
 
   PublisherOptions& p = publisher_options_;
   p.rules.sigma_limit_m = config.publish.sigma_limit_mm * 1e-3;
@@ -149,6 +154,12 @@ base::Result<void> Box::OpenOutputs() {
     if (!bus) return bus.error();
     bus_ = std::move(*bus);
   }
+  const config::DtrackConfig& dtrack = config_.publish.dtrack;
+  if (!dtrack.address.empty()) {
+    auto datagrams = board::OpenDatagrams(dtrack.address, static_cast<int>(dtrack.port));
+    if (!datagrams) return datagrams.error();
+    datagrams_ = std::move(*datagrams);
+  }
   const config::ModbusConfig& modbus = config_.publish.modbus;
   if (modbus.enabled) {
     answers_ = std::make_unique<Answers>(*map_, static_cast<std::uint8_t>(modbus.unit));
@@ -169,8 +180,9 @@ base::Result<void> Box::Start() {
   // Against the way of the data, the cameras last: a frame that comes finds everyone awake, and no page of
   // memory or thread is still to be made while frames wait.
   if (config_.realtime.lock_memory) board::LockMemory();
-  const PublisherSources sources{pair_loop_->ToPublisher(), *left_, *right_};
-  publisher_ = std::make_unique<Publisher>(publisher_options_, sources, *map_, bus_.get());
+  const PublisherSources sources{pair_loop_->ToPublisher(), *left_, *right_, latency_};
+  publisher_ = std::make_unique<Publisher>(publisher_options_, sources, *map_,
+                                           PublisherOutlets{bus_.get(), datagrams_.get()});
   const auto thread = [this](std::size_t place) {
     const auto& cpus = config_.realtime.cpus;
     return ThreadOptions{static_cast<int>(config_.realtime.priority),
@@ -185,21 +197,22 @@ base::Result<void> Box::Start() {
   if (auto start = right_camera_->Start(); !start) return start.error();
   right_->Start(thread(1));
   start_monotonic_ns_ = status_monotonic_ns_ = board::MonotonicNs();
-  return {};
+  running_ = true;
+  return WriteHealth(TakeStatus());
 }
 
 void Box::Stop() {
-  // Against the way of the data, so that nobody hands on to one who is gone; the lanes give their frames back
-  // last.
-  if (pair_loop_) pair_loop_->Stop();
-  if (left_) left_->Stop();
-  if (right_) right_->Stop();
+  // The publisher first, so that machines hear nothing of cameras that fall silent because we stop; then with
+  // the way of the data: every image that was taken goes through and is counted.
   if (publisher_) publisher_->Stop();
+  if (left_) left_->Stop();
+  if (left_camera_) left_camera_->Stop();  // before it runs out of buffers, which nobody gives back now
+  if (right_) right_->Stop();
+  if (right_camera_) right_camera_->Stop();
+  if (pair_loop_) pair_loop_->Stop();
   track_log_.Stop();
   modbus_.reset();
-  for (hal::Camera* camera : {left_camera_.get(), right_camera_.get()}) {
-    if (camera != nullptr) camera->Stop();
-  }
+  running_ = false;
 }
 
 Status Box::TakeStatus() {
@@ -220,12 +233,15 @@ Status Box::TakeStatus() {
   }
   status.publish = publisher_->Health();
   status.bus = publisher_->BusHealth();
-  status.detect = QuantilesOf(left_->DetectTime());
-  status.locate = QuantilesOf(pair_loop_->LocateTime());
-  status.trigger_to_result = QuantilesOf(pair_loop_->TriggerToResult());
-  status.packet_to_result = QuantilesOf(pair_loop_->PacketToResult());
-  status.packet_to_bus = QuantilesOf(publisher_->PacketToBus());
+  status.latency = &latency_;
+  status.running = running_;
   return status;
+}
+
+base::Result<void> Box::WriteHealth(const Status& status) const {
+  if (config_.health_report.empty()) return {};
+  const publish::HealthReport report = ReportOf(status, clock_.Now(), board::RealtimeReport());
+  return board::ReplaceFile(config_.Resolve(config_.health_report), publish::FormatHealthReport(report));
 }
 
 }  // namespace adit::app

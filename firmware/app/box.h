@@ -28,12 +28,15 @@ class Box {
   /// Opens the outputs, then the cameras, then starts the threads. Declines with the first that fails;
   /// nothing runs then.
   base::Result<void> Start();
+  /// After it the counters account for every image.
   void Stop();
 
   /// A recording is over.
   bool Ended() const { return pair_loop_->Ended(); }
   /// Rates are since the last call.
   Status TakeStatus();
+  /// Replaces the health report; nothing if the configuration names none. Declines with the file.
+  base::Result<void> WriteHealth(const Status& status) const;
 
  private:
   Box(const config::BoxConfig& config, const optics::Rig& rig, pipeline::Pipeline pipeline);
@@ -55,16 +58,19 @@ class Box {
   config::BoxConfig config_;
   board::SystemClock clock_;
   PublisherOptions publisher_options_;
+  LatencyTable latency_;
   pipeline::Pipeline pipeline_;
   std::unique_ptr<hal::Camera> left_camera_, right_camera_;
   std::unique_ptr<PairLoop> pair_loop_;
   std::unique_ptr<CameraLane> left_, right_;
   std::unique_ptr<publish::RegisterMap> map_;
   std::unique_ptr<hal::FieldBus> bus_;
+  std::unique_ptr<hal::DatagramPort> datagrams_;
   std::unique_ptr<Answers> answers_;
   std::unique_ptr<board::RegisterServer> modbus_;
   std::unique_ptr<Publisher> publisher_;
   TrackLog track_log_;
+  bool running_ = false;
   std::int64_t start_monotonic_ns_ = 0;
   std::int64_t status_monotonic_ns_ = 0;
   std::uint64_t status_pairs_ = 0;

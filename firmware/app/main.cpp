@@ -34,12 +34,15 @@ int Run(const std::string& path, bool with_status, adit::board::StopSignals& sig
     if (adit::board::MonotonicNs() < next_ns && !stop) continue;
     next_ns += kStatusNs;
     const adit::app::Status status = (*box)->TakeStatus();
+    // A report that cannot be written now has become old: its readers see that.
+    (void)(*box)->WriteHealth(status);
     if (with_status) std::cout << adit::app::FormatStatus(status) << std::endl;
   }
-  const adit::app::Status last = (*box)->TakeStatus();
   (*box)->Stop();
+  const adit::app::Status last = (*box)->TakeStatus();
   if (with_status) std::cout << adit::app::FormatStatus(last) << "\nstopped" << std::endl;
-  return 0;
+  const auto written = (*box)->WriteHealth(last);
+  return written ? 0 : Fail(written.error());
 }
 
 }  // namespace

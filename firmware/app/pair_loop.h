@@ -1,6 +1,7 @@
 // The pairing thread: blob sets of both cameras -> pairs -> fixes for the publisher and the track log.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <thread>
@@ -8,20 +9,27 @@
 #include "board/sim/board.h"
 #include "firmware/app/camera_lane.h"
 #include "firmware/app/fix_record.h"
-#include "firmware/base/histogram.h"
 #include "firmware/base/latest.h"
 #include "firmware/capture/pairer.h"
 #include "firmware/pipeline/pipeline.h"
 
 namespace adit::app {
 
+/// What became of one camera's images beside those in pairs; monotonic.
+struct LoneImages {
+  std::uint64_t unpaired = 0;  ///< found no partner between the first pair and the last
+  std::uint64_t at_ends = 0;   ///< one camera started or stopped before the other
+};
+
 /// Counters of the pairing thread; monotonic.
 struct PairHealth {
   std::uint64_t pairs = 0;         ///< pairs that went through the pipeline
-  std::uint64_t unpaired = 0;      ///< images that found no partner, from the first pair on
+  std::array<LoneImages, 2> lone;  ///< left, right
   std::uint64_t target_pairs = 0;  ///< pairs times targets
   std::uint64_t located = 0;       ///< of these, with a position
   std::uint64_t log_dropped = 0;   ///< records the track log was too slow for
+
+  std::uint64_t Unpaired() const { return lone[0].unpaired + lone[1].unpaired; }
 };
 
 /// Whom the pairing thread takes from and wakes.
@@ -32,13 +40,20 @@ struct PairNeighbours {
   board::Wakeup* log;        ///< the same; null: no log
 };
 
+/// Times of the common trigger.
+struct TriggerTimes {
+  base::DurationNs period_ns = base::kNsPerS / 60;
+  base::DurationNs exposure_ns = base::kNsPerMs;
+};
+
 /// One thread. All that is given outlives it.
 class PairLoop {
  public:
-  PairLoop(pipeline::Pipeline& pipeline, base::DurationNs period_ns, base::DurationNs exposure_ns);
+  PairLoop(pipeline::Pipeline& pipeline, LatencyTable& latency, const TriggerTimes& times);
   ~PairLoop();
 
   void Start(const ThreadOptions& options, const PairNeighbours& neighbours);
+  /// After the lanes: what they have left goes through first, so that every image is accounted for.
   void Stop();
 
   /// Signalled by the lanes after every blob set.
@@ -48,33 +63,32 @@ class PairLoop {
   /// Both lanes have ended and every pair is through.
   bool Ended() const { return ended_.load(std::memory_order_acquire); }
   PairHealth Health() const { return health_.Load(); }
-  const base::DurationHistogram& TriggerToResult() const { return trigger_to_result_; }
-  const base::DurationHistogram& PacketToResult() const { return packet_to_result_; }
-  const base::DurationHistogram& LocateTime() const { return locate_time_; }
 
  private:
-  using Event = capture::PairerEvent<detect::BlobSet*>;
+  using Event = capture::PairerEvent<Detection*>;
 
   void Run(const PairNeighbours& neighbours);
   bool Take(CameraLane& lane);
-  void Handle(const Event& event, const PairNeighbours& neighbours);
-  void Locate(const detect::BlobSet& left, const detect::BlobSet& right, bool with_log);
-  void Fill(FixRecord& record, base::TimeNs last_packet_ns, base::TimeNs result_ns) const;
+  void Handle(const Event& event, const PairNeighbours& neighbours, bool at_end);
+  void Locate(const Detection& left, const Detection& right, bool with_log);
+  void Measure(const Detection& left, const Detection& right, std::int64_t start_monotonic_ns);
+  void Fill(FixRecord& record) const;
 
   pipeline::Pipeline& pipeline_;
+  LatencyTable& latency_;
   base::DurationNs exposure_ns_;
-  capture::Pairer<detect::BlobSet*> pairer_;
+  capture::Pairer<Detection*> pairer_;
   board::SystemClock clock_;
   board::Wakeup wake_;
   std::thread thread_;
   std::atomic<bool> stop_{false}, ended_{false};
 
   std::unique_ptr<pipeline::PairResult> result_;
+  base::TimeNs last_packet_ns_ = base::kNever, result_ns_ = base::kNever;  ///< of the present pair
   PublishConveyor to_publisher_;
   LogConveyor to_log_;
   PairHealth counts_;
   base::Latest<PairHealth> health_;
-  base::DurationHistogram trigger_to_result_, packet_to_result_, locate_time_;
 };
 
 }  // namespace adit::app

@@ -19,13 +19,15 @@ constexpr base::DurationNs kShortestCycleNs = 20 * base::kNsPerMs;
 }  // namespace
 
 Publisher::Publisher(const PublisherOptions& options, const PublisherSources& sources,
-                     publish::RegisterMap& map, hal::FieldBus* bus)
+                     publish::RegisterMap& map, const PublisherOutlets& outlets)
     : options_(options),
       fixes_(sources.fixes),
       left_(sources.left),
       right_(sources.right),
+      latency_(sources.latency),
       map_(map),
-      bus_(bus) {
+      bus_(outlets.bus),
+      datagrams_(outlets.datagrams) {
   for (std::size_t i = 0; i < options_.targets.size(); ++i) {
     encoders_.emplace_back(static_cast<std::uint8_t>(options_.node + 2 * i), map.Identity());
   }
@@ -67,10 +69,16 @@ bool Publisher::TakeNewest() {
   while (FixRecord* const record = fixes_.Pop()) {
     if (newest_ != nullptr) fixes_.GiveBack(newest_);
     newest_ = record;
+    if (datagrams_ != nullptr) SendDatagram(*record);
     newest_is_fresh_ = took = true;
     last_fix_monotonic_ns_ = board::MonotonicNs();
   }
   return took;
+}
+
+void Publisher::SendDatagram(const FixRecord& record) {
+  datagrams_->Send(datagram_.Encode(record.fixes, {++datagram_number_, record.stamp.mid_exposure_ns,
+                                                   clock_.Now(), options_.rules.origin_s_m}));
 }
 
 bool Publisher::IsDue(std::int64_t monotonic_ns, bool took, bool faults_changed) const {
@@ -140,7 +148,7 @@ publish::BoxHealth Publisher::CountForMachines(std::int64_t monotonic_ns) const 
     const LaneHealth lane = lanes[i]->Health();
     health.cameras[i].rate_hz = uptime_s > 0 ? static_cast<double>(lane.frames) / uptime_s : 0;
     health.cameras[i].lost =
-        static_cast<std::uint32_t>(lane.camera.missed + lane.camera.incomplete + lane.shed_frames);
+        static_cast<std::uint32_t>(lane.camera.missed + lane.camera.incomplete + lane.Shed());
   }
   if (bus_ != nullptr) {
     const hal::FieldBusHealth bus = bus_->Health();
@@ -187,8 +195,11 @@ void Publisher::Send(const publish::BoxHealth& health) {
     for (const base::CanFrame& frame : encoded_) frames_.push_back(frame);
   }
   const hal::SendOutcome outcome = bus_->SendEpoch({frames_.data(), frames_.size()});
-  if (outcome == hal::SendOutcome::kSent && newest_is_fresh_)
-    packet_to_bus_.Add(clock_.Now() - newest_->last_packet_ns);
+  if (outcome != hal::SendOutcome::kSent || !newest_is_fresh_) return;
+  const base::TimeNs sent_ns = clock_.Now();
+  latency_[Span::kResultToBus].Add(sent_ns - newest_->result_ns);
+  latency_[Span::kPacketToBus].Add(sent_ns - newest_->last_packet_ns);
+  latency_[Span::kExposureToBus].Add(sent_ns - newest_->stamp.mid_exposure_ns);
 }
 
 PublishHealth Publisher::Health() const { return health_.Load(); }

@@ -9,11 +9,12 @@
 #include "board/sim/board.h"
 #include "firmware/app/camera_lane.h"
 #include "firmware/app/fix_record.h"
-#include "firmware/base/histogram.h"
 #include "firmware/base/latest.h"
 #include "firmware/publish/can_encoder.h"
+#include "firmware/publish/dtrack.h"
 #include "firmware/publish/epoch.h"
 #include "firmware/publish/register_map.h"
+#include "hal/datagram_port.h"
 #include "hal/field_bus.h"
 
 namespace adit::app {
@@ -42,13 +43,20 @@ struct PublisherSources {
   PublishConveyor& fixes;
   const CameraLane& left;
   const CameraLane& right;
+  LatencyTable& latency;  ///< gets the way to the bus, of epochs that told a new pair
 };
 
-/// One thread. `bus` may be null (Modbus only). All that is given outlives it.
+/// Whom the publisher tells, beside the register map; null: nobody. All of it outlives the publisher.
+struct PublisherOutlets {
+  hal::FieldBus* bus = nullptr;
+  hal::DatagramPort* datagrams = nullptr;  ///< gets every pair
+};
+
+/// One thread. All that is given outlives it.
 class Publisher {
  public:
   Publisher(const PublisherOptions& options, const PublisherSources& sources, publish::RegisterMap& map,
-            hal::FieldBus* bus);
+            const PublisherOutlets& outlets);
   ~Publisher();
 
   void Start(const ThreadOptions& options);
@@ -61,12 +69,11 @@ class Publisher {
 
   PublishHealth Health() const;
   hal::FieldBusHealth BusHealth() const { return bus_health_.Load(); }
-  /// From the last packet of a pair to the return of the bus' send, for epochs that told a new pair.
-  const base::DurationHistogram& PacketToBus() const { return packet_to_bus_; }
 
  private:
   void Run();
   bool TakeNewest();
+  void SendDatagram(const FixRecord& record);
   bool IsDue(std::int64_t monotonic_ns, bool took, bool faults_changed) const;
   void Tell(std::int64_t monotonic_ns);
   void Send(const publish::BoxHealth& health);
@@ -79,8 +86,12 @@ class Publisher {
   PublishConveyor& fixes_;
   const CameraLane& left_;
   const CameraLane& right_;
+  LatencyTable& latency_;
   publish::RegisterMap& map_;
   hal::FieldBus* bus_;
+  hal::DatagramPort* datagrams_;
+  publish::DtrackEncoder datagram_;
+  std::uint32_t datagram_number_ = 0;
   board::SystemClock clock_;
   board::Wakeup wake_;
   std::thread thread_;
@@ -103,7 +114,6 @@ class Publisher {
   std::atomic<std::uint32_t> modbus_clients_{0};
   base::Latest<PublishHealth> health_;
   base::Latest<hal::FieldBusHealth> bus_health_;
-  base::DurationHistogram packet_to_bus_;
 };
 
 }  // namespace adit::app

@@ -6,17 +6,13 @@
 #include "firmware/app/camera_lane.h"
 #include "firmware/app/pair_loop.h"
 #include "firmware/app/publisher.h"
+#include "firmware/publish/health_report.h"
 
 namespace adit::app {
 
-/// p50 and p99, for people.
-struct Quantiles {
-  double p50_ms = 0, p99_ms = 0;
-};
-Quantiles QuantilesOf(const base::DurationHistogram& histogram);
-
 /// Everything a status line tells.
 struct Status {
+  bool running = true;
   double uptime_s = 0;
   double rate_hz = 0;  ///< pairs a second since the last line
   LaneHealth left, right;
@@ -24,10 +20,14 @@ struct Status {
   PublishHealth publish;
   hal::FieldBusHealth bus;
   std::uint32_t modbus_clients = 0;
-  Quantiles detect, locate, trigger_to_result, packet_to_result, packet_to_bus;
+  const LatencyTable* latency = nullptr;  ///< of the box; never null in its status
 };
 
-/// One line of `key=value` words, for a person and for a program. Latencies in ms.
+/// One line of `key=value` words, for a person and for a program. Latencies in ms, p50/p99.
 std::string FormatStatus(const Status& status);
+
+/// The same and more, dated `now_ns`: every counter and every part of the way. `realtime`: what the system
+/// refused.
+publish::HealthReport ReportOf(const Status& status, base::TimeNs now_ns, const std::string& realtime);
 
 }  // namespace adit::app

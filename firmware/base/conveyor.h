@@ -12,8 +12,8 @@ namespace adit::base {
 
 /// Up to kLength records wait; a full conveyor drops its oldest, because the newest is worth more. The heap
 /// is used in the constructor only. Draft and Commit belong to one producer thread, Pop and GiveBack to one
-/// consumer thread, which holds at most kLength - 1 records at a time.
-template <class T, std::size_t kLength>
+/// consumer thread, which holds at most kLength - 1 records at a time. `Atomic` as in DropOldestRing.
+template <class T, std::size_t kLength, template <class> class Atomic = std::atomic>
 class Conveyor {
  public:
   Conveyor() : slots_(std::make_unique<std::array<T, kSlots>>()) {
@@ -44,8 +44,8 @@ class Conveyor {
   static constexpr std::size_t kSlots = 2 * kLength;
   std::unique_ptr<std::array<T, kSlots>> slots_;
   T* draft_ = nullptr;
-  DropOldestRing<T*, kLength> ready_;  // producer -> consumer
-  DropOldestRing<T*, kSlots> free_;    // consumer -> producer
+  DropOldestRing<T*, kLength, Atomic> ready_;  // producer -> consumer
+  DropOldestRing<T*, kSlots, Atomic> free_;    // consumer -> producer
 };
 
 }  // namespace adit::base

@@ -1,6 +1,7 @@
 // How long something took, counted without a lock: quantiles to 4.5 %, from 1 us to 10 s.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
@@ -11,7 +12,7 @@
 
 namespace adit::base {
 
-/// A histogram of durations with 16 buckets per factor of two. Add belongs to one thread; the rest to any.
+/// A histogram of durations with 16 buckets per factor of two. All calls belong to any thread.
 /// Durations below 1 us count as 1 us, above 17 s as 17 s, negative ones apart.
 class DurationHistogram {
  public:
@@ -22,8 +23,10 @@ class DurationHistogram {
       return;
     }
     buckets_[BucketOf(duration_ns)].fetch_add(1, std::memory_order_relaxed);
-    if (duration_ns > max_ns_.load(std::memory_order_relaxed))
-      max_ns_.store(duration_ns, std::memory_order_relaxed);
+    DurationNs max_ns = max_ns_.load(std::memory_order_relaxed);
+    while (duration_ns > max_ns &&
+           !max_ns_.compare_exchange_weak(max_ns, duration_ns, std::memory_order_relaxed)) {
+    }
   }
 
   std::uint64_t Count() const {
@@ -37,13 +40,14 @@ class DurationHistogram {
 
   DurationNs MaxNs() const { return max_ns_.load(std::memory_order_relaxed); }
 
-  /// The upper edge of the bucket in which the fraction `quantile` (0 to 1) of all is reached; 0 when empty.
+  /// The upper edge of the bucket in which the fraction `quantile` (0 to 1) of all is reached, at most the
+  /// longest of all; 0 when empty.
   DurationNs QuantileNs(double quantile) const {
     const auto wanted = static_cast<std::uint64_t>(std::ceil(quantile * static_cast<double>(Count())));
     std::uint64_t seen = 0;
     for (std::size_t i = 0; i < kBuckets; ++i) {
       seen += buckets_[i].load(std::memory_order_relaxed);
-      if (seen >= wanted && seen > 0) return UpperEdgeNs(i);
+      if (seen >= wanted && seen > 0) return std::min(UpperEdgeNs(i), MaxNs());
     }
     return 0;
   }

@@ -52,6 +52,11 @@ struct ModbusConfig {
   long unit = 1;
 };
 
+struct DtrackConfig {
+  std::string address;  ///< empty: no datagrams
+  long port = 5000;
+};
+
 struct PublishConfig {
   std::vector<std::string> targets;  ///< in the order of nodes and structs; empty: all models
   std::vector<double> site_origin_m{0, 0, 0};
@@ -59,6 +64,7 @@ struct PublishConfig {
   double age_limit_ms = 100;
   CanConfig can;
   ModbusConfig modbus;
+  DtrackConfig dtrack;
 };
 
 struct RealtimeConfig {
@@ -80,6 +86,7 @@ struct BoxConfig {
   PublishConfig publish;
   RealtimeConfig realtime;
   std::string track_log;
+  std::string health_report;  ///< file; empty: none
 
   std::string folder;       ///< of the file it was read from
   std::uint32_t crc32 = 0;  ///< of the file's bytes: a changed configuration shows on the bus

@@ -61,6 +61,12 @@ void DescribePublish(PublishConfig& p, Visitor& v) {
   v.Whole("port", p.modbus.port, {1, 65535}, {"", "TCP port"});
   v.Whole("unit", p.modbus.unit, {1, 247}, {"", "own unit id"});
   v.Leave();
+  v.Enter("dtrack");
+  v.Text(
+      "address", p.dtrack.address,
+      {"", "IPv4 address that gets each pair as an ART DTrack datagram, for looking on only; empty: none"});
+  v.Whole("port", p.dtrack.port, {1, 65535}, {"", "its UDP port"});
+  v.Leave();
   v.Leave();
 }
 
@@ -89,6 +95,8 @@ void DescribeBox(BoxConfig& c, Visitor& v) {
   v.Numbers("cpus", c.realtime.cpus, 0, {0, 1023}, {"", "processors for the hot threads; empty: any"});
   v.Leave();
   v.Text("track_log", c.track_log, {"", "file that gets one row per pair and target; empty: none"});
+  v.Text("health_report", c.health_report,
+         {"", "file replaced every second, counters and latencies for adit latency; best in memory (/run)"});
 }
 
 }  // namespace adit::config

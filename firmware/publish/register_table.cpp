@@ -46,7 +46,6 @@ std::int64_t SecondsSinceSeen(const Target& t, base::TimeNs now_ns) {
   return std::clamp<std::int64_t>((now_ns - t.last_seen_ns) / base::kNsPerS, 0, UINT16_MAX - 1);
 }
 
-constexpr std::nullopt_t kAlways = std::nullopt;
 using enum WireType;
 using base::TimeNs;
 

@@ -73,7 +73,6 @@ std::int64_t AbsentI32(const Record&) { return kNoI32; }
 std::int64_t AbsentI16(const Record&) { return kNoI16; }
 
 constexpr CanPlace kNotOnCan{};
-constexpr std::nullopt_t kAlways = std::nullopt;  // never "not available"
 constexpr std::nullopt_t kNotInMap = std::nullopt;
 using enum WireType;
 

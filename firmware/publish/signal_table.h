@@ -35,6 +35,7 @@ constexpr bool IsSigned(WireType type) { return type == WireType::kI16 || type =
 inline constexpr std::int64_t kNoI32 = INT32_MIN;
 inline constexpr std::int64_t kNoI16 = INT16_MIN;
 inline constexpr std::int64_t kNoU16 = UINT16_MAX;
+inline constexpr std::nullopt_t kAlways = std::nullopt;  ///< never "not available"
 
 /// Where a signal stands in the value (bytes 0-3) of a CAN frame, little-endian.
 struct CanPlace {

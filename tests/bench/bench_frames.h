@@ -18,17 +18,25 @@ inline constexpr int kWidthPx = 1400, kHeightPx = 1024;
 /// What the images lie in: pages of 4 kB, or of 2 MB as the cameras' buffers do where the kernel grants them.
 enum class Pages : std::uint8_t { kOrdinary, kHuge };
 
+struct Size {
+  int width_px = kWidthPx, height_px = kHeightPx;
+  std::size_t Bytes() const {
+    return static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
+  }
+};
+
 /// One image, 8 bit.
 class Image {
  public:
-  explicit Image(Pages pages = Pages::kOrdinary);
+  explicit Image(const Size& size = {}, Pages pages = Pages::kOrdinary);
   Image(const Image& other, Pages pages);
 
-  std::span<std::uint8_t> Pixels() { return {memory_.get(), kBytes}; }
-  std::span<const std::uint8_t> Pixels() const { return {memory_.get(), kBytes}; }
+  std::span<std::uint8_t> Pixels() { return {memory_.get(), size_.Bytes()}; }
+  std::span<const std::uint8_t> Pixels() const { return {memory_.get(), size_.Bytes()}; }
+  const Size& GetSize() const { return size_; }
 
  private:
-  static constexpr std::size_t kBytes = std::size_t{kWidthPx} * kHeightPx;
+  Size size_;
   struct Unmap {
     void operator()(std::uint8_t* memory) const;
   };
@@ -56,5 +64,14 @@ std::vector<ImagePair> RenderPairs(int count, int lamps, unsigned seed);
 /// The same with four bars that move a tenth of a metre from pair to pair, the last pair being next to the
 /// first.
 std::vector<ImagePair> RenderDrive(int count, int lamps, unsigned seed);
+
+/// What a curve varies. Spots are as small as LEDs: each becomes a blob.
+struct Crowd {
+  Size size;
+  std::size_t targets = 2;  ///< up to 32, side by side
+  int spots = 0;            ///< in each image, beside the LEDs
+};
+Stage MakeStage(const Crowd& crowd);
+std::vector<ImagePair> RenderCrowd(const Crowd& crowd, int count, unsigned seed);
 
 }  // namespace adit::bench

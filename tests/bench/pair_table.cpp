@@ -2,9 +2,7 @@
 // turn, frame by frame, each on another pair, so that all images come from memory. Medians of ratios: the
 // machine's weather cancels. Once with the images in ordinary pages of memory, once in huge ones. Usage:
 // pair_table [table.json]
-#include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -17,33 +15,22 @@
 #include "tests/bench/bench_frames.h"
 #include "tests/bench/opencv_segmentation.h"
 #include "tests/bench/read_bound.h"
+#include "tests/bench/stopwatch.h"
 
 namespace {
 
 using adit::base::Side;
 using adit::bench::ImagePair;
 using adit::bench::InPages;
+using adit::bench::Median;
 using adit::bench::Pages;
+using adit::bench::TimeUs;
 
 constexpr int kPairs = 64;  // 183 MB: more than any cache holds
 constexpr int kPasses = 8;  // and one before them that is not counted
 constexpr int kScenarios[] = {0, 20, 60, 200};
 constexpr adit::base::DurationNs kPeriodNs = adit::base::kNsPerS / 60;
 constexpr int kComponentsEvery = 8;  // it takes a hundred times as long
-
-template <typename Work>
-double TimeUs(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Detects right images in a thread of its own, handed over by a counter that both sides spin on.
 class SecondCore {

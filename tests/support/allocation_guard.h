@@ -1,4 +1,4 @@
-// Counts heap calls, so that a test can show that a path makes none.
+// Counts heap calls and locks, so that a test can show that a path makes none.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,13 @@ namespace adit::support {
 /// builds, whose allocator is their own: check CountsAllocations() first.
 std::uint64_t AllocationCount();
 
-/// Whether AllocationCount works in this build.
+/// Heap calls and mutex locks (pthread_mutex_lock, so std::mutex too) of all threads since the start.
+struct ProcessCounts {
+  std::uint64_t allocations = 0, locks = 0;
+};
+ProcessCounts CountsOfAllThreads();
+
+/// Whether these counts work in this build.
 bool CountsAllocations();
 
 }  // namespace adit::support

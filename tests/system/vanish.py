@@ -1,12 +1,12 @@
 """A camera vanishes for 10 s and comes back, while aditd runs: what a machine on the bus is told, and when. The frames are
 decoded here from the layout of docs/adit-can.md, with no code of the box. Usage: vanish.py ADIT ADITD SCENES SCRATCH"""
-import os
 import pathlib
 import re
-import shutil
-import subprocess
 import sys
 import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import box_stage
 
 AWAY_S = 10
 NODE = 0x20
@@ -15,42 +15,6 @@ INVALID, VALID, SIMULATED = 0, 1, 3
 FAULT_CAMERA_A = 1 << 0
 INVALID_LIMIT_S = 0.100
 BACK_LIMIT_S = 7.0
-BOX = """serial: 7
-simulation: true
-rig: rig.yaml
-models: [model.yaml]
-cameras: {left: {device: 127.0.0.1}, right: {device: 127.0.0.2}, rate_hz: 60, exposure_us: 1000}
-publish: {can: {driver: candump, log: can.log, node: 32}, modbus: {enabled: false}}
-"""
-
-
-def enter_namespace():
-    """Runs this script again where only the loopback exists."""
-    enter = ["unshare", "-n"] if os.geteuid() == 0 else ["unshare", "-Urn"]
-    inside = 'ip link set lo up && ip addr add 127.0.0.2/8 dev lo && exec "$@"'
-    os.execvp(enter[0], enter + ["bash", "-c", inside, "namespace", sys.executable, *sys.argv, "inside"])
-
-
-def make_box(adit, scenes, scratch):
-    shutil.rmtree(scratch, ignore_errors=True)
-    shutil.copytree(scenes, scratch / "scenes")
-    short = scratch / "scenes/short.yaml"
-    short.write_text(re.sub(r"(?m)^frames: .*$", "frames: 2", (scratch / "scenes/still.yaml").read_text()))
-    steps = [["simulate", short, "--out", scratch / "recording"],
-             ["train", "--target", scratch / "scenes/bar_a.yaml", "--camera", scratch / "recording/cam0/sensor.yaml",
-              "--out", scratch / "model.yaml"]]
-    for step in steps:
-        subprocess.run([adit, *step], check=True, stdout=subprocess.DEVNULL)
-    shutil.copy(scratch / "recording/rig_true.yaml", scratch / "rig.yaml")
-    (scratch / "box.yaml").write_text(BOX)
-
-
-def start(*command):
-    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-    for line in process.stdout:
-        if line.startswith(("serving", "running")):
-            return process
-    sys.exit(f"FAILED: {command[0]} did not start")
 
 
 def tell(cameras, order):
@@ -106,10 +70,11 @@ def judge(log, gone_s, back_s):
 
 
 def main(adit, aditd, scenes, scratch):
+    box_stage.enter_namespace()
     scratch = pathlib.Path(scratch)
-    make_box(adit, scenes, scratch)
-    cameras = start(adit, "serve", scratch / "scenes/still.yaml")
-    box = start(aditd, "--config", scratch / "box.yaml", "--status")
+    box_stage.make_box(adit, pathlib.Path(scenes), scratch)
+    cameras = box_stage.start(adit, "serve", scratch / "scene.yaml")
+    box = box_stage.start(aditd, "--config", scratch / "box.yaml", "--status")
     try:
         time.sleep(3)
         gone_s = tell(cameras, "left vanish")
@@ -118,10 +83,8 @@ def main(adit, aditd, scenes, scratch):
         time.sleep(BACK_LIMIT_S + 1)
         ran_through = box.poll() is None
     finally:
-        box.terminate()
-        status = box.communicate(timeout=20)[0].splitlines()
-        cameras.terminate()
-        cameras.wait(20)
+        status = box_stage.stop(box).splitlines()
+        box_stage.stop(cameras)
     wrong = judge(scratch / "can.log", gone_s, back_s)
     if not ran_through or box.returncode != 0:
         wrong.append(f"aditd runs through and ends with 0, not {box.returncode}")
@@ -132,6 +95,4 @@ def main(adit, aditd, scenes, scratch):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 5:
-        enter_namespace()
     sys.exit(main(*sys.argv[1:5]))

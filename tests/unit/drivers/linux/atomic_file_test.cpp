@@ -12,6 +12,7 @@
 
 #include <CppUTest/TestHarness.h>
 
+using adit::linux::Flush;
 using adit::linux::WriteFileAtomically;
 namespace fs = std::filesystem;
 
@@ -59,6 +60,15 @@ TEST(AtomicFile, ReplacesTheOldFileAndKeepsItsPermissions) {
   CHECK(Content(path) == "new");
   CHECK(fs::status(path).permissions() == fs::perms(0640));
   CHECK_EQUAL(1, FilesIn(folder));
+}
+
+TEST(AtomicFile, WithoutAFlushIsReplacedAsAWholeToo) {
+  const fs::path path = folder / "report.yaml";
+  CHECK(!!WriteFileAtomically(path.string(), "first and longer", Flush::kNo));
+  CHECK(!!WriteFileAtomically(path.string(), "second", Flush::kNo));
+  CHECK(Content(path) == "second");
+  CHECK_EQUAL(1, FilesIn(folder));
+  CHECK(!WriteFileAtomically((folder / "absent" / "report.yaml").string(), "x", Flush::kNo));
 }
 
 TEST(AtomicFile, GivesANewFileWhatTheUsersMaskLeaves) {

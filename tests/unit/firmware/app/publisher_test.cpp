@@ -1,25 +1,21 @@
 // The publisher in real threads, with cameras and a bus that the test commands.
 #include "firmware/app/publisher.h"
 
-#include <atomic>
-#include <memory>
 #include <mutex>
-#include <thread>
+#include <utility>
 #include <vector>
 
-#include "firmware/app/pair_loop.h"
 #include "firmware/publish/can_receiver.h"
-#include "tests/support/fake_camera.h"
-#include "tests/support/synthetic_bar.h"
+#include "tests/unit/firmware/app/line.h"
 
 #include <CppUTest/TestHarness.h>
 
 namespace {
 
-using adit::base::kNsPerMs;
+using adit::app::Line;
 using adit::publish::Validity;
 
-constexpr std::uint8_t kNode = 0x20;
+using adit::app::kNode;
 constexpr double kRateHz = 60;
 
 /// Keeps every epoch with the time of its hand-over.
@@ -59,50 +55,11 @@ class ListeningBus final : public adit::hal::FieldBus {
   std::vector<Heard> heard_;
 };
 
-adit::pipeline::Pipeline PipelineOf(const adit::support::SyntheticRig& rig) {
-  auto pipeline = adit::pipeline::Pipeline::Make(
-      rig.AsRig(), {adit::support::ModelOf(adit::support::SeedTargetOne())}, {});
-  CHECK(!!pipeline);
-  return std::move(*pipeline);
-}
-
-/// The threads of a box from two fake cameras to a bus. A bar stands 30 m ahead.
-struct Line {
-  adit::support::SyntheticRig rig = adit::support::ToedInRig();
-  adit::support::SyntheticBar bar =
-      adit::support::SyntheticBar::At(adit::support::SeedTargetOne(), {4, 0.5, 30}, {0.9, 0.1, 0.2});
-  adit::support::FakeCamera left{adit::base::Side::kLeft, kRateHz, adit::support::DrawBar(rig.left, bar)};
-  adit::support::FakeCamera right{adit::base::Side::kRight, kRateHz, adit::support::DrawBar(rig.right, bar)};
-  adit::pipeline::Pipeline pipeline = PipelineOf(rig);
-  adit::app::PairLoop pairs{pipeline, static_cast<adit::base::DurationNs>(1e9 / kRateHz), kNsPerMs};
-  adit::app::CameraLane left_lane{left, adit::base::Side::kLeft, pipeline, pairs.Wake()};
-  adit::app::CameraLane right_lane{right, adit::base::Side::kRight, pipeline, pairs.Wake()};
-  adit::publish::RegisterMap map{adit::publish::MakeIdentity("1", "0.0.1", 1), {}};
+struct Heard {
   ListeningBus bus;
-  std::unique_ptr<adit::app::Publisher> publisher;
-
-  Line() {
-    adit::app::PublisherOptions options;
-    options.targets = {0};
-    options.period_ns = static_cast<adit::base::DurationNs>(1e9 / kRateHz);
-    options.node = kNode;
-    const adit::app::PublisherSources sources{pairs.ToPublisher(), left_lane, right_lane};
-    publisher = std::make_unique<adit::app::Publisher>(options, sources, map, &bus);
-    publisher->Start({});
-    pairs.Start({}, {left_lane, right_lane, publisher->Wake(), nullptr});
-    left_lane.Start({});
-    right_lane.Start({});
-    const adit::base::TimeNs start_ns = adit::board::SystemClock().Now() + 20 * kNsPerMs;
-    left.Run(start_ns);
-    right.Run(start_ns);
-  }
-  ~Line() {
-    pairs.Stop();
-    left_lane.Stop();
-    right_lane.Stop();
-    publisher->Stop();
-  }
-  static void Sleep(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
+};
+struct HeardLine : Heard, Line {
+  HeardLine() : Line(bus, kRateHz) {}
 };
 
 }  // namespace
@@ -110,7 +67,7 @@ struct Line {
 TEST_GROUP(Publisher){};
 
 TEST(Publisher, TellsValidPositionsWhileBothCamerasDeliver) {
-  Line line;
+  HeardLine line;
   Line::Sleep(600);
   const auto heard = line.bus.TakeAll();
   CHECK(heard.size() >= 8);
@@ -122,7 +79,7 @@ TEST(Publisher, TellsValidPositionsWhileBothCamerasDeliver) {
 }
 
 TEST(Publisher, GivesEveryFrameBackToItsCamera) {
-  Line line;
+  HeardLine line;
   Line::Sleep(300);
   line.left.Silence(true);
   line.right.Silence(true);
@@ -133,7 +90,7 @@ TEST(Publisher, GivesEveryFrameBackToItsCamera) {
 }
 
 TEST(Publisher, ASilentCameraIsInvalidWithItsFaultBitAndComesBack) {
-  Line line;
+  HeardLine line;
   Line::Sleep(400);
   line.bus.TakeAll();
   line.right.Silence(true);
@@ -152,7 +109,7 @@ TEST(Publisher, ASilentCameraIsInvalidWithItsFaultBitAndComesBack) {
 }
 
 TEST(Publisher, KeepsTellingWithoutAnyImage) {
-  Line line;
+  HeardLine line;
   line.left.Silence(true);
   line.right.Silence(true);
   Line::Sleep(200);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <thread>
 #include <vector>
 
 #include <CppUTest/TestHarness.h>
@@ -47,4 +48,33 @@ TEST(DurationHistogram, ExtremesLandInTheOuterBucketsAndNegativesApart) {
   LONGS_EQUAL(1, histogram.Negative());
   CHECK(histogram.QuantileNs(0.5) <= 1088);
   CHECK(histogram.QuantileNs(1.0) > 16 * adit::base::kNsPerS);
+}
+
+TEST(DurationHistogram, NoQuantileIsLongerThanTheLongest) {
+  DurationHistogram histogram;
+  for (int i = 0; i < 10; ++i) histogram.Add(1'000'000);
+  CHECK_EQUAL(1'000'000, histogram.QuantileNs(0.5));
+  CHECK_EQUAL(1'000'000, histogram.QuantileNs(1.0));
+}
+
+TEST(DurationHistogram, ThreeWritersAndAReaderLoseNothing) {
+  constexpr int kEach = 50'000, kWriters = 3;
+  DurationHistogram histogram;
+  std::vector<std::thread> writers;
+  for (int w = 0; w < kWriters; ++w) {
+    writers.emplace_back([&histogram, w] {
+      for (int i = 1; i <= kEach; ++i) histogram.Add(2000 + kWriters * i + w);
+    });
+  }
+  bool bounded = true;
+  std::uint64_t seen = 0;
+  while (seen < kEach * kWriters) {
+    const std::uint64_t now = histogram.Count();
+    bounded = bounded && now >= seen && histogram.QuantileNs(0.5) <= 2000 + kWriters * (kEach + 1);
+    seen = now;
+  }
+  for (std::thread& writer : writers) writer.join();
+  CHECK(bounded);
+  LONGS_EQUAL(kEach * kWriters, histogram.Count());
+  CHECK_EQUAL(2000 + kWriters * kEach + kWriters - 1, histogram.MaxNs());
 }

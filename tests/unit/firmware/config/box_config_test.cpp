@@ -49,7 +49,7 @@ TEST(BoxConfig, ReadsAMinimalFileAndFillsInDefaults) {
 
 TEST(BoxConfig, WhatItShowsReadsBackToTheSame) {
   std::ofstream(kPath)
-      << kGood << "georeference: g.yaml\n"
+      << kGood << "georeference: g.yaml\nhealth_report: h.yaml\n"
       << "publish: {site_origin_m: [546123, 178456, 400], can: {driver: candump, log: c.log}}\n";
   const auto first = LoadBoxConfig(kPath);
   CHECK(!!first);
@@ -59,6 +59,7 @@ TEST(BoxConfig, WhatItShowsReadsBackToTheSame) {
   STRCMP_EQUAL(shown.c_str(), adit::config::FormatBoxConfig(*second).c_str());
   STRCMP_CONTAINS("546123", shown.c_str());
   STRCMP_EQUAL("g.yaml", second->georeference.c_str());
+  STRCMP_EQUAL("h.yaml", second->health_report.c_str());
 }
 
 TEST(BoxConfig, EveryKeyShownIsInTheSchemaWithItsMeaning) {

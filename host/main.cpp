@@ -7,6 +7,7 @@
 #include "host/evaluate.h"
 #include "host/georef.h"
 #include "host/intrinsics.h"
+#include "host/rig.h"
 #include "host/serve.h"
 #include "host/simulate.h"
 #include "host/track.h"
@@ -25,6 +26,7 @@ int main(int argc, char** argv) {
   adit::host::AddGeoref(app, exit_code);
   adit::host::AddTrack(app, exit_code);
   adit::host::AddEvaluate(app, exit_code);
+  adit::host::AddRig(app, exit_code);
   adit::host::AddConfig(app, exit_code);
   adit::host::AddDemo(app, exit_code);
   // CLI11 would only say that a command is missing.

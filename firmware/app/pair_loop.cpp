@@ -94,6 +94,7 @@ void PairLoop::Locate(const detect::BlobSet& left, const detect::BlobSet& right,
   packet_to_result_.Add(result_ns - last_packet_ns);
   counts_.pairs += 1;
   counts_.target_pairs += result_->fixes.targets.size();
+  if (watch_ != nullptr) watch_->Add(result_->points);
   for (const georef::GeoFix& fix : result_->fixes.targets) {
     if (fix.state.points.status != stereo::FixStatus::kLost) counts_.located += 1;
   }

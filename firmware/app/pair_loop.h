@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "board/sim/board.h"
+#include "firmware/app/calibration_watch.h"
 #include "firmware/app/camera_lane.h"
 #include "firmware/app/fix_record.h"
 #include "firmware/base/histogram.h"
@@ -38,6 +39,9 @@ class PairLoop {
   PairLoop(pipeline::Pipeline& pipeline, base::DurationNs period_ns, base::DurationNs exposure_ns);
   ~PairLoop();
 
+  /// Before Start: every pair is shown to `watch`, which outlives this.
+  void ShowTo(CalibrationWatch& watch) { watch_ = &watch; }
+
   void Start(const ThreadOptions& options, const PairNeighbours& neighbours);
   void Stop();
 
@@ -61,6 +65,7 @@ class PairLoop {
   void Locate(const detect::BlobSet& left, const detect::BlobSet& right, bool with_log);
   void Fill(FixRecord& record, base::TimeNs last_packet_ns, base::TimeNs result_ns) const;
 
+  CalibrationWatch* watch_ = nullptr;
   pipeline::Pipeline& pipeline_;
   base::DurationNs exposure_ns_;
   capture::Pairer<detect::BlobSet*> pairer_;

@@ -10,6 +10,7 @@
 #include "host/inspect.h"
 #include "host/intrinsics.h"
 #include "host/latency.h"
+#include "host/rig.h"
 #include "host/serve.h"
 #include "host/simulate.h"
 #include "host/target.h"
@@ -32,6 +33,7 @@ int main(int argc, char** argv) {
   adit::host::AddEvaluate(app, exit_code);
   adit::host::AddDiff(app, exit_code);
   adit::host::AddInspect(app, exit_code);
+  adit::host::AddRig(app, exit_code);
   adit::host::AddConfig(app, exit_code);
   adit::host::AddLatency(app, exit_code);
   adit::host::AddDemo(app, exit_code);

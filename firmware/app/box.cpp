@@ -7,6 +7,7 @@
 
 #include "firmware/georef/absolute_orientation.h"
 #include "firmware/identify/model.h"
+#include "firmware/optics/rig_covariance.h"
 
 #ifndef ADIT_VERSION
 #error "the build defines ADIT_VERSION"
@@ -82,6 +83,33 @@ base::Result<georef::Georeference> LoadTie(const config::BoxConfig& config, cons
   return georef::Georeference(*orientation);
 }
 
+/// What a rig of unknown uncertainty may be off by: as much as the stereo stage forgives, 1 px and 0.5 %.
+watch::MotionMatrix CoarseCovariance(const optics::Rig& rig) {
+  const double angle_rad = stereo::LocatorOptions{}.epipolar_px / rig.right.fu_px;
+  const double shift_m = stereo::LocatorOptions{}.scale * rig.BaselineM();
+  watch::MotionMatrix covariance = watch::MotionMatrix::Zero();
+  covariance.diagonal().head<3>().setConstant(angle_rad * angle_rad);
+  covariance.diagonal().tail<3>().setConstant(shift_m * shift_m);
+  return covariance;
+}
+
+/// The watch over the calibration, or null if it is switched off.
+base::Result<std::unique_ptr<CalibrationWatch>> MakeWatch(const config::BoxConfig& config,
+                                                          const optics::Rig& rig,
+                                                          const std::vector<identify::Model>& models) {
+  if (!config.watch.enabled) return std::unique_ptr<CalibrationWatch>();
+  const auto covariance = optics::LoadRigCovariance(config.Resolve(config.rig));
+  if (!covariance) return covariance.error();
+  std::vector<base::Target> targets;
+  for (const identify::Model& model : models) targets.push_back(model.target);
+  watch::WatchOptions options;
+  options.rate_hz = config.cameras.rate_hz;
+  options.learn_s = static_cast<int>(config.watch.learn_s);
+  options.shift_sigma_m = config.watch.shift_mm * 1e-3;
+  return std::make_unique<CalibrationWatch>(rig, targets, options,
+                                            covariance->value_or(CoarseCovariance(rig)));
+}
+
 base::DurationNs Nanoseconds(double seconds) {
   return static_cast<base::DurationNs>(std::llround(seconds * static_cast<double>(base::kNsPerS)));
 }
@@ -107,7 +135,12 @@ base::Result<std::unique_ptr<Box>> Box::Make(const config::BoxConfig& config) {
   options.detector = {d.area_min_px, d.area_max_px, d.elongation_max, d.read_noise_dn, d.electrons_per_dn};
   auto pipeline = pipeline::Pipeline::Make(*rig, models, options);
   if (!pipeline) return pipeline.error();
+  auto watch = MakeWatch(config, *rig, models);
+  if (!watch) return watch.error();
   std::unique_ptr<Box> box(new Box(config, *rig, std::move(*pipeline)));
+  if (*watch) box->pair_loop_->ShowTo(**watch);
+  box->publisher_options_.watch = watch->get();
+  box->watch_ = std::move(*watch);
   box->publisher_options_.targets = *targets;
   return box;
 }
@@ -232,6 +265,7 @@ Status Box::TakeStatus() {
     publisher_->SetModbusClients(status.modbus_clients);
   }
   status.publish = publisher_->Health();
+  if (watch_) status.finding = watch_->Latest();
   status.bus = publisher_->BusHealth();
   status.latency = &latency_;
   status.running = running_;

@@ -60,6 +60,7 @@ class Box {
   PublisherOptions publisher_options_;
   LatencyTable latency_;
   pipeline::Pipeline pipeline_;
+  std::unique_ptr<CalibrationWatch> watch_;  ///< null: switched off
   std::unique_ptr<hal::Camera> left_camera_, right_camera_;
   std::unique_ptr<PairLoop> pair_loop_;
   std::unique_ptr<CameraLane> left_, right_;

@@ -16,6 +16,14 @@ int Fail(const adit::base::Error& error) {
   return error.ExitCode();
 }
 
+/// Tells the operator once when the calibration ceases to hold, and again after it had held.
+void TellChange(const adit::app::Status& status, const std::string& rig_path, bool& told) {
+  const bool changed = status.finding && status.finding->verdict == adit::watch::Verdict::kChanged;
+  if (changed && !told)
+    std::cerr << "aditd: " << adit::app::FormatAdvice(*status.finding, rig_path) << std::endl;
+  told = changed;
+}
+
 int Run(const std::string& path, bool with_status, adit::board::StopSignals& signals) {
   const auto config = adit::config::LoadBoxConfig(path);
   if (!config) return Fail(config.error());
@@ -28,7 +36,7 @@ int Run(const std::string& path, bool with_status, adit::board::StopSignals& sig
     std::cout << "running" << std::endl;
   }
   std::int64_t next_ns = adit::board::MonotonicNs() + kStatusNs;
-  bool stop = false;
+  bool stop = false, told_change = false;
   while (!stop && !(*box)->Ended()) {
     stop = signals.WaitFor(kLookNs);
     if (adit::board::MonotonicNs() < next_ns && !stop) continue;
@@ -37,6 +45,8 @@ int Run(const std::string& path, bool with_status, adit::board::StopSignals& sig
     // A report that cannot be written now has become old: its readers see that.
     (void)(*box)->WriteHealth(status);
     if (with_status) std::cout << adit::app::FormatStatus(status) << std::endl;
+    if (with_status && status.finding) std::cout << adit::app::FormatFinding(*status.finding) << std::endl;
+    TellChange(status, config->Resolve(config->rig), told_change);
   }
   (*box)->Stop();
   const adit::app::Status last = (*box)->TakeStatus();

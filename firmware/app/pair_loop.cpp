@@ -95,6 +95,7 @@ void PairLoop::Locate(const Detection& left, const Detection& right, bool with_l
   Measure(left, right, start_ns);
   counts_.pairs += 1;
   counts_.target_pairs += result_->fixes.targets.size();
+  if (watch_ != nullptr) watch_->Add(result_->points);
   for (const georef::GeoFix& fix : result_->fixes.targets) {
     if (fix.state.points.status != stereo::FixStatus::kLost) counts_.located += 1;
   }

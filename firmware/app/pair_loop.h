@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "board/sim/board.h"
+#include "firmware/app/calibration_watch.h"
 #include "firmware/app/camera_lane.h"
 #include "firmware/app/fix_record.h"
 #include "firmware/base/latest.h"
@@ -52,6 +53,9 @@ class PairLoop {
   PairLoop(pipeline::Pipeline& pipeline, LatencyTable& latency, const TriggerTimes& times);
   ~PairLoop();
 
+  /// Before Start: every pair is shown to `watch`, which outlives this.
+  void ShowTo(CalibrationWatch& watch) { watch_ = &watch; }
+
   void Start(const ThreadOptions& options, const PairNeighbours& neighbours);
   /// After the lanes: what they have left goes through first, so that every image is accounted for.
   void Stop();
@@ -74,6 +78,7 @@ class PairLoop {
   void Measure(const Detection& left, const Detection& right, std::int64_t start_monotonic_ns);
   void Fill(FixRecord& record) const;
 
+  CalibrationWatch* watch_ = nullptr;
   pipeline::Pipeline& pipeline_;
   LatencyTable& latency_;
   base::DurationNs exposure_ns_;

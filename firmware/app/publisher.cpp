@@ -110,6 +110,8 @@ std::uint16_t Publisher::Faults(std::int64_t monotonic_ns) const {
   }
   if (options_.ptp_expected && (!left_.ClockLocked() || !right_.ClockLocked()))
     faults |= publish::kFaultTimeSync;
+  if (options_.watch != nullptr && options_.watch->Latest().verdict == watch::Verdict::kChanged)
+    faults |= publish::kFaultResidual;
   return faults;
 }
 

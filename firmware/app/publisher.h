@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "board/sim/board.h"
+#include "firmware/app/calibration_watch.h"
 #include "firmware/app/camera_lane.h"
 #include "firmware/app/fix_record.h"
 #include "firmware/base/latest.h"
@@ -27,7 +28,8 @@ struct PublisherOptions {
   bool simulation = false;
   bool ptp_expected = false;
   std::uint8_t node = 0x20;
-  std::uint16_t modbus_clients_max = 0;  ///< for the diagnostics registers
+  std::uint16_t modbus_clients_max = 0;     ///< for the diagnostics registers
+  const CalibrationWatch* watch = nullptr;  ///< outlives the publisher; null: nobody watches
 };
 
 /// Counters of the publisher; monotonic but for the last line.

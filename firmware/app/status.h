@@ -1,6 +1,7 @@
 // What the box says of itself once a second.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "firmware/app/camera_lane.h"
@@ -18,6 +19,7 @@ struct Status {
   LaneHealth left, right;
   PairHealth pairs;
   PublishHealth publish;
+  std::optional<watch::Finding> finding;  ///< of the watch over the calibration, if there is one
   hal::FieldBusHealth bus;
   std::uint32_t modbus_clients = 0;
   const LatencyTable* latency = nullptr;  ///< of the box; never null in its status

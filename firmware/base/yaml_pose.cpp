@@ -1,5 +1,6 @@
 #include "firmware/base/yaml_pose.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <sstream>
 
@@ -31,6 +32,19 @@ void ReadRigidMotion(YamlReader& in, const std::string& key, Eigen::Matrix3d& ro
   }
   rotation = block;
   translation_m = motion.topRightCorner<3, 1>();
+}
+
+void ReadCovariance(YamlReader& in, const std::string& key, Eigen::Matrix<double, 6, 6>& covariance) {
+  const auto rows = in.Matrix(key, 6, 6);
+  if (!in.Ok()) return;
+  covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(rows.data());
+  constexpr double kRounding = 1e-8;  // relative; a covariance of 9 digits is symmetric this well
+  const double rounding = kRounding * covariance.cwiseAbs().maxCoeff();
+  if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > rounding)
+    return in.Refuse(key, "is not symmetric");
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(covariance, Eigen::EigenvaluesOnly);
+  if (solver.eigenvalues().minCoeff() < -rounding)
+    in.Refuse(key, "gives some combination of its parameters a negative variance");
 }
 
 }  // namespace adit::base

@@ -14,12 +14,16 @@ namespace adit::base {
 void ReadRigidMotion(YamlReader& in, const std::string& key, Eigen::Matrix3d& rotation,
                      Eigen::Vector3d& translation_m);
 
-/// The same as a pose; the identity after a mistake.
+/// A rigid motion as a pose; the identity after a mistake.
 template <class To, class From>
 Pose<To, From> ReadPose(YamlReader& in, const std::string& key) {
   Pose<To, From> pose;
   ReadRigidMotion(in, key, pose.rotation, pose.translation_m);
   return pose;
 }
+
+/// Reads the 6 rows of 6 numbers below `key`. Refuses what is not symmetric or gives some combination of its
+/// parameters a negative variance.
+void ReadCovariance(YamlReader& in, const std::string& key, Eigen::Matrix<double, 6, 6>& covariance);
 
 }  // namespace adit::base

@@ -73,6 +73,12 @@ struct RealtimeConfig {
   std::vector<double> cpus;
 };
 
+struct WatchConfig {
+  bool enabled = true;
+  long learn_s = 300;
+  double shift_mm = 0.03;
+};
+
 /// Everything a box needs to know. Paths are as written, relative to the configuration's folder; Resolve
 /// makes them usable.
 struct BoxConfig {
@@ -84,6 +90,7 @@ struct BoxConfig {
   CamerasConfig cameras;
   DetectorConfig detector;
   PublishConfig publish;
+  WatchConfig watch;
   RealtimeConfig realtime;
   std::string track_log;
   std::string health_report;  ///< file; empty: none

@@ -89,6 +89,15 @@ void DescribeBox(BoxConfig& c, Visitor& v) {
            {"e-/DN", "conversion gain, at 8 bit"});
   v.Leave();
   DescribePublish(c.publish, v);
+  v.Enter("watch");
+  v.Flag("enabled", c.watch.enabled,
+         {"",
+          "look for a turn of the right camera since the calibration, in the traffic itself; DEGRADED then"});
+  v.Whole("learn_s", c.watch.learn_s, {60, 3600},
+          {"s", "tracking of each target after the start that later traffic is compared with"});
+  v.Number("shift_mm", c.watch.shift_mm, {0.001, 10},
+           {"mm", "1 sigma by which the cameras may move against each other with no harm"});
+  v.Leave();
   v.Enter("realtime");
   v.Whole("priority", c.realtime.priority, {0, 99}, {"", "SCHED_FIFO priority; 0: ordinary scheduling"});
   v.Flag("lock_memory", c.realtime.lock_memory, {"", "keep the program in memory"});

@@ -1,6 +1,5 @@
 #include "firmware/georef/absolute_orientation.h"
 
-#include <Eigen/Eigenvalues>
 #include <iomanip>
 #include <sstream>
 
@@ -14,7 +13,6 @@ using base::YamlReader;
 
 constexpr base::Range kGridScaleFactor{0.99, 1.01};  // of every projection that surveys use
 constexpr base::Range kGridM{-1e8, 1e8};
-constexpr double kRounding = 1e-9;  // relative; a covariance of 17 digits is symmetric this well
 
 Eigen::Matrix3d GridScale(double grid_scale_factor) {
   return Eigen::Vector3d(grid_scale_factor, grid_scale_factor, 1).asDiagonal();
@@ -25,18 +23,6 @@ void WriteRow(const Values& values, std::ostream& text) {
   text << "[";
   for (Eigen::Index i = 0; i < values.size(); ++i) text << (i == 0 ? "" : ", ") << values[i];
   text << "]";
-}
-
-void ReadCovariance(YamlReader& in, Eigen::Matrix<double, 6, 6>& covariance) {
-  const auto rows = in.Matrix("covariance", 6, 6);
-  if (!in.Ok()) return;
-  covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(rows.data());
-  const double rounding = kRounding * covariance.cwiseAbs().maxCoeff();
-  if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > rounding)
-    return in.Refuse("covariance", "is not symmetric");
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(covariance, Eigen::EigenvaluesOnly);
-  if (solver.eigenvalues().minCoeff() < -rounding)
-    in.Refuse("covariance", "gives some combination of its parameters a negative variance");
 }
 
 void CheckParameters(YamlReader& in) {
@@ -84,7 +70,7 @@ base::Result<AbsoluteOrientation> LoadOrientation(const std::string& path,
   CheckParameters(*in);
   const auto reference = in->Numbers("reference_b_m", 3, {-1e4, 1e4});
   if (in->Ok()) orientation.reference_b_m = Eigen::Map<const Eigen::Vector3d>(reference.data());
-  ReadCovariance(*in, orientation.covariance);
+  base::ReadCovariance(*in, "covariance", orientation.covariance);
   orientation.calibration_id = in->Text("calibration_id");
   if (in->Ok() && orientation.calibration_id != calibration_id) {
     in->Refuse("calibration_id", "is '" + orientation.calibration_id + "' and the rig's is '" +

@@ -41,7 +41,8 @@ BoxState JudgeState(const Epoch& epoch, const BoxCondition& box, bool seen_befor
 Validity JudgeValidity(const georef::GeoFix& fix, const Epoch& epoch, const BoxCondition& box) {
   if (box.simulation) return Validity::kSimulated;
   const bool measured = fix.state.points.status != stereo::FixStatus::kPredicted;
-  return measured && epoch.sigma_ok && !box.service ? Validity::kValid : Validity::kDegraded;
+  const bool sound = !box.service && (box.faults & kFaultsThatDegrade) == 0;
+  return measured && epoch.sigma_ok && sound ? Validity::kValid : Validity::kDegraded;
 }
 
 void DropValues(Epoch& epoch) {

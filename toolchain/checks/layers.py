@@ -14,12 +14,14 @@ SEES = {
     # a stage sees optics and the record of the stage just before it
     "firmware/identify": ["firmware/optics", "firmware/detect/blob_set.h"],
     "firmware/stereo": ["firmware/optics", "firmware/identify/sighting_set.h"],
+    # no stage: nothing comes after it. It reads stereo's records and repeats its fit, so it sees all of stereo
+    "firmware/watch": ["firmware/optics", "firmware/stereo"],
     "firmware/track": ["firmware/optics", "firmware/stereo/point_set.h"],
     "firmware/georef": ["firmware/optics", "firmware/track/target_state.h"],
     "firmware/publish": ["firmware/optics", "firmware/georef/geo_fix.h"],
     "firmware/config": [],
     "firmware/pipeline": ["firmware/optics"] + ["firmware/" + s for s in STAGES],
-    "firmware/app": ["firmware/pipeline", "firmware/config", "firmware/optics", "hal", "board"] + ["firmware/" + s for s in STAGES],
+    "firmware/app": ["firmware/pipeline", "firmware/config", "firmware/optics", "firmware/watch", "hal", "board"] + ["firmware/" + s for s in STAGES],
     "hal": [],
     # the operating system has one room, which the other drivers share
     "drivers/sim": ["hal", "firmware/optics", "drivers/linux"],

@@ -50,6 +50,16 @@ TEST(Epoch, ARecoveredTargetIsValidWhileItsSigmaIsSmall) {
   CHECK(Make(fix).validity == Validity::kDegraded);
 }
 
+TEST(Epoch, ACalibrationInDoubtDegradesAndKeepsThePosition) {
+  BoxCondition box = GoodBox();
+  box.faults = kFaultResidual;
+  const Epoch epoch = Make(TrackedFix(), box);
+  CHECK(epoch.validity == Validity::kDegraded);
+  CHECK(epoch.state == BoxState::kDegraded);
+  CHECK(epoch.position_s_m.has_value());
+  LONGS_EQUAL(1 << 6, epoch.faults);
+}
+
 TEST(Epoch, SigmaAboveItsLimitDegradesInEitherDirection) {
   georef::GeoFix horizontal = TrackedFix();
   horizontal.covariance_s_m2(0, 0) = 0.0201 * 0.0201;

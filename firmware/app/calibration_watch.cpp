@@ -1,0 +1,36 @@
+#include "firmware/app/calibration_watch.h"
+
+#include <array>
+#include <cstdio>
+
+namespace adit::app {
+namespace {
+
+std::string Microradians(const std::array<double, 3>& angles_rad) {
+  constexpr double kPerRad = 1e6;
+  std::array<char, 96> text{};
+  std::snprintf(text.data(), text.size(), "%.2f,%.2f,%.2f", angles_rad[0] * kPerRad, angles_rad[1] * kPerRad,
+                angles_rad[2] * kPerRad);
+  return text.data();
+}
+
+}  // namespace
+
+std::string FormatFinding(const watch::Finding& finding) {
+  static constexpr std::array<const char*, 3> kNames{"learning", "holds", "changed"};
+  std::array<char, 96> text{};
+  std::snprintf(text.data(), text.size(), " tracked_s=%.0f wrong=%u significance=%.1f", finding.tracked_s,
+                finding.wrong, finding.significance);
+  return std::string("watch verdict=") + kNames.at(static_cast<std::size_t>(finding.verdict)) + text.data() +
+         " turn_urad=" + Microradians(finding.turn_rad) + " sigma_urad=" + Microradians(finding.sigma_rad);
+}
+
+std::string FormatAdvice(const watch::Finding& finding, const std::string& rig_path) {
+  return rig_path + ": the calibration no longer holds, the right camera has turned by " +
+         Microradians(finding.turn_rad) +
+         " urad (pitch, yaw, roll); calibrate anew, or: adit rig correct --rig " + rig_path +
+         " --turn-urad=" + Microradians(finding.turn_rad) +
+         " --sigma-urad=" + Microradians(finding.sigma_rad) + " --out NEW.yaml";
+}
+
+}  // namespace adit::app

@@ -1,0 +1,47 @@
+// One bar, seen for a while at nearly one place -> information about the right camera's motion.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "firmware/base/target.h"
+#include "firmware/stereo/point_set.h"
+#include "firmware/stereo/view.h"
+#include "firmware/watch/information.h"
+
+namespace adit::watch {
+
+/// The residuals of one bar over the pairs in which it stayed at one place of the images.
+///
+/// Noise averages out over these pairs; what a centroid is off by because of where the LED falls on the
+/// pixels does not, and counts once: weight (mean covariance / pairs + bias^2)^-1.
+class BarView {
+ public:
+  /// Adds one pair of a target that was measured in full. Declines, and adds nothing, if a blob is missing or
+  /// a LED would be behind a camera.
+  bool Add(const stereo::Views& views, const base::Target& target, const stereo::PointSet& set,
+           const stereo::TargetPoints& points);
+
+  int Pairs() const { return pairs_; }
+  /// How far the bar is in the images, LED 1 of the one where it is farther, from where the view began, px.
+  double MovedPx(const stereo::PointSet& set, const stereo::TargetPoints& points) const;
+  void Clear() { *this = BarView(); }
+
+  /// The information of the mean residuals about the motion, the bar's own five parameters projected out:
+  /// normal = J^T M J with J the residuals' derivative by the motion, M the projector onto what no move of
+  /// the bar explains. Declines views that no motion of the camera explains (chi-square beyond
+  /// `chi_square_max`): a wrong match.
+  std::optional<Information> Read(const stereo::Views& views, const base::Target& target, double bias_px,
+                                  double chi_square_max) const;
+
+ private:
+  using LedSums = std::array<stereo::ObservationPair, base::kLedCount>;
+
+  int pairs_ = 0;
+  LedSums sums_;  ///< residuals (seen minus measured) and covariances
+  std::array<Eigen::Vector2d, 2> start_px_{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  Eigen::Vector3d epicenter_b_m_ = Eigen::Vector3d::Zero();  ///< of the last pair, with the direction
+  Eigen::Vector3d direction_b_ = Eigen::Vector3d::UnitX();
+};
+
+}  // namespace adit::watch

@@ -9,6 +9,7 @@
 #include "firmware/detect/background.h"
 #include "firmware/detect/centroid.h"
 #include "firmware/detect/components.h"
+#include "firmware/detect/refine.h"
 
 namespace adit::detect {
 namespace {
@@ -79,12 +80,15 @@ std::optional<Blob> Detector::State::Measure(const base::ImageView& image, const
   const Eigen::Vector2d sigmas_px = spot.SigmasPx();
   if (!(sigmas_px.x() <= options.elongation_max * sigmas_px.y())) return std::nullopt;
   Eigen::Matrix2d slope;
-  const auto ideal_px = camera.Undistort(spot.CentroidPx(), &slope);
+  const bool saturated = spot.PeakDn() >= (1 << image.bits) - 1;
+  const auto refined = saturated ? std::nullopt : Refine(image, spot, c.area_px, threshold_dn, noise);
+  const SpotPlace place = refined ? *refined : SpotPlace{spot.CentroidPx(), spot.CovariancePx2()};
+  const auto ideal_px = camera.Undistort(place.centre_px, &slope);
   if (!ideal_px) return std::nullopt;
   Blob blob;
-  blob.raw_px = spot.CentroidPx();
+  blob.raw_px = place.centre_px;
   blob.ideal_px = *ideal_px;
-  blob.covariance_px2 = slope * spot.CovariancePx2() * slope.transpose();
+  blob.covariance_px2 = slope * place.covariance_px2 * slope.transpose();
   blob.flux_dn = static_cast<float>(spot.FluxDn());
   blob.peak_dn = static_cast<float>(spot.PeakDn());
   blob.background_dn = static_cast<float>(noise.background_dn);
@@ -93,7 +97,7 @@ std::optional<Blob> Detector::State::Measure(const base::ImageView& image, const
   blob.sigma_minor_px = static_cast<float>(sigmas_px.y());
   blob.x_min_px = c.x_min_px, blob.y_min_px = c.y_min_px;
   blob.x_max_px = c.x_max_px, blob.y_max_px = c.y_max_px;
-  blob.saturated = spot.PeakDn() >= (1 << image.bits) - 1;
+  blob.saturated = saturated;
   return blob;
 }
 

@@ -1,0 +1,124 @@
+#include "firmware/detect/window_centroid.h"
+
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+namespace adit::detect {
+namespace {
+
+constexpr int kLanes = SpotPatch::kLanes, kVectorsMax = SpotPatch::kRowFloats / kLanes;
+// Vectors of the compiler's own: lane by lane the same operations in the same order on every processor.
+using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
+using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(float))));
+using Row = std::array<Floats, kVectorsMax>;
+
+/// x -> exp(x) for |x| < 80 to 3e-7: 2^n times a polynomial (Taylor's) of what is left of x / ln 2. Not the
+/// library's, whose last bit depends on the processor.
+void Exp(Floats& x) {
+  constexpr float kLog2E = 1.44269504F, kRound = 12582912.F;  // 1.5 * 2^23: adding it rounds to whole numbers
+  const Floats y = x * kLog2E, n = (y + kRound) - kRound, f = (y - n) * 0.69314718F;
+  const Floats mantissa =
+      1.F + f * (1.F + f * (0.5F + f * (1 / 6.F + f * (1 / 24.F + f * (1 / 120.F + f * (1 / 720.F))))));
+  const Ints scale = (__builtin_convertvector(n, Ints) + 127) << 23;
+  Floats power;
+  std::memcpy(&power, &scale, sizeof(power));
+  x = mantissa * power;
+}
+
+float Sum(const Floats& v) { return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7])); }
+
+/// Light times window, summed up with the place from the window's middle.
+struct WindowSums {
+  double g = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+};
+
+/// The window is exp(-(p dx^2 + 2 q dx dy + r dy^2) / 2). Its factor of dx and dy both is a geometric series
+/// down every column.
+struct WindowShape {
+  float p, q, r;
+  float x_px, y_px;  ///< its middle, from the patch's first pixel
+};
+
+WindowSums SumUp(const SpotPatch& patch, const WindowShape& w) {
+  constexpr Floats kIndex{0, 1, 2, 3, 4, 5, 6, 7};
+  const int rows = 2 * patch.reach_y_px + 1;
+  const Floats last_x = Floats{} + static_cast<float>(2 * patch.reach_x_px);
+  Row dx, weight, ratio, g{}, gy{}, gyy{}, down;
+  for (std::size_t v = 0; v < static_cast<std::size_t>(kVectorsMax); ++v) {
+    const Floats place = kIndex + static_cast<float>(v * kLanes);
+    dx[v] =
+        (place < last_x ? place : last_x) - w.x_px;  // beyond the edge is no light: any finite weight will do
+    weight[v] = (-0.5F * w.p * dx[v] + w.q * w.y_px) * dx[v];
+    ratio[v] = -w.q * dx[v];
+    const Floats dy = place - w.y_px;
+    down[v] = -0.5F * w.r * dy * dy;
+    Exp(weight[v]), Exp(ratio[v]), Exp(down[v]);
+  }
+  for (int row = 0; row < rows; ++row) {
+    const float dy = static_cast<float>(row) - w.y_px;
+    const float* const light = patch.Row(row);
+    const float factor = down[static_cast<std::size_t>(row / kLanes)][row % kLanes];
+    for (std::size_t v = 0; v < static_cast<std::size_t>(patch.vectors); ++v) {
+      Floats pixels;
+      std::memcpy(&pixels, light + v * kLanes, sizeof(pixels));
+      const Floats product = pixels * (weight[v] * factor), first = product * dy;
+      g[v] += product, gy[v] += first, gyy[v] += first * dy;
+      weight[v] *= ratio[v];
+    }
+  }
+  WindowSums sums;
+  for (std::size_t v = 0; v < static_cast<std::size_t>(patch.vectors); ++v) {
+    const Floats gx = g[v] * dx[v];
+    sums.g += Sum(g[v]), sums.x += Sum(gx), sums.y += Sum(gy[v]);
+    sums.xx += Sum(gx * dx[v]), sums.xy += Sum(gy[v] * dx[v]), sums.yy += Sum(gyy[v]);
+  }
+  return sums;
+}
+
+}  // namespace
+
+std::optional<GaussianSpot> ThroughWindow(const SpotPatch& patch, const GaussianSpot& start) {
+  const Eigen::Matrix2d inverse = start.shape_px2.inverse();
+  const Eigen::Vector2d first_px(patch.x_px - patch.reach_x_px, patch.y_px - patch.reach_y_px);
+  const Eigen::Vector2f middle_px = (start.centre_px - first_px).cast<float>();
+  // exp(89) is too much for a float.
+  constexpr double kMostExponent = 80;
+  if (!(inverse(0, 0) * patch.reach_x_px * patch.reach_x_px < 2 * kMostExponent &&
+        inverse(1, 1) * patch.reach_y_px * patch.reach_y_px < 2 * kMostExponent))
+    return std::nullopt;
+  const WindowSums s = SumUp(patch, {static_cast<float>(inverse(0, 0)), static_cast<float>(inverse(0, 1)),
+                                     static_cast<float>(inverse(1, 1)), middle_px.x(), middle_px.y()});
+  if (!(s.g > 0)) return std::nullopt;
+  const Eigen::Vector2d mean(s.x / s.g, s.y / s.g);
+  Eigen::Matrix2d product;
+  product << s.xx / s.g, s.xy / s.g, s.xy / s.g, s.yy / s.g;
+  product -= mean * mean.transpose();
+  // product^-1 = window^-1 + spot^-1 and product^-1 mean = spot^-1 (centre - window's).
+  const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - product * inverse;
+  // With both of one shape the rest is 1/2: a quarter of its determinant.
+  constexpr double kLeast = 1.0 / 16, kMost = 9.0 / 16;
+  const double determinant = rest.determinant();
+  if (!(determinant > kLeast && determinant < kMost && rest.trace() > 0)) return std::nullopt;
+  const Eigen::Matrix2d widen = rest.inverse();
+  GaussianSpot spot;
+  spot.centre_px = first_px + middle_px.cast<double>() + widen * mean;
+  spot.shape_px2 = widen * product;
+  spot.shape_px2(1, 0) = spot.shape_px2(0, 1);
+  // The window's height is 1: that of the product is the spot's, but for the distance of the two.
+  spot.height_dn = s.g / (2 * M_PI * std::sqrt(product.determinant()));
+  if (!(spot.shape_px2.determinant() > 0 && spot.shape_px2(0, 0) > 0)) return std::nullopt;
+  return spot;
+}
+
+Eigen::Matrix2d CovarianceThroughWindow(const GaussianSpot& spot, const PixelNoise& noise) {
+  // In units of the spot's sigmas: the variance of sum g u (I - b) over (pi / 2 times height)^2, the slope of
+  // its mean; g^2 and g^3 are Gaussians again.
+  const double h = spot.height_dn, dark_dn2 = noise.VarianceDn2(noise.background_dn);
+  const double even = 2 * dark_dn2 / (M_PI * h * h), shot = 8 / (9 * M_PI * h * noise.electrons_per_dn);
+  return spot.shape_px2 * ((even + shot) / std::sqrt(spot.shape_px2.determinant()));
+}
+
+}  // namespace adit::detect

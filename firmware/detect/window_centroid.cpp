@@ -3,32 +3,12 @@
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
+
+#include "firmware/detect/lanes.h"
 
 namespace adit::detect {
 namespace {
-
-constexpr int kLanes = SpotPatch::kLanes, kVectorsMax = SpotPatch::kRowFloats / kLanes;
-// Vectors of the compiler's own: lane by lane the same operations in the same order on every processor.
-using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
-using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(float))));
-using Row = std::array<Floats, kVectorsMax>;
-
-/// x -> exp(x) for |x| < 80 to 3e-7: 2^n times a polynomial (Taylor's) of what is left of x / ln 2. Not the
-/// library's, whose last bit depends on the processor.
-void Exp(Floats& x) {
-  constexpr float kLog2E = 1.44269504F, kRound = 12582912.F;  // 1.5 * 2^23: adding it rounds to whole numbers
-  const Floats y = x * kLog2E, n = (y + kRound) - kRound, f = (y - n) * 0.69314718F;
-  const Floats mantissa =
-      1.F + f * (1.F + f * (0.5F + f * (1 / 6.F + f * (1 / 24.F + f * (1 / 120.F + f * (1 / 720.F))))));
-  const Ints scale = (__builtin_convertvector(n, Ints) + 127) << 23;
-  Floats power;
-  std::memcpy(&power, &scale, sizeof(power));
-  x = mantissa * power;
-}
-
-float Sum(const Floats& v) { return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7])); }
 
 /// Light times window, summed up with the place from the window's middle.
 struct WindowSums {
@@ -43,12 +23,11 @@ struct WindowShape {
 };
 
 WindowSums SumUp(const SpotPatch& patch, const WindowShape& w) {
-  constexpr Floats kIndex{0, 1, 2, 3, 4, 5, 6, 7};
   const int rows = 2 * patch.reach_y_px + 1;
   const Floats last_x = Floats{} + static_cast<float>(2 * patch.reach_x_px);
-  Row dx, weight, ratio, g{}, gy{}, gyy{}, down;
-  for (std::size_t v = 0; v < static_cast<std::size_t>(kVectorsMax); ++v) {
-    const Floats place = kIndex + static_cast<float>(v * kLanes);
+  FloatsRow dx, weight, ratio, g{}, gy{}, gyy{}, down;
+  for (std::size_t v = 0; v < static_cast<std::size_t>(kRowVectors); ++v) {
+    const Floats place = kLaneIndex + static_cast<float>(v * kFloatLanes);
     dx[v] =
         (place < last_x ? place : last_x) - w.x_px;  // beyond the edge is no light: any finite weight will do
     weight[v] = (-0.5F * w.p * dx[v] + w.q * w.y_px) * dx[v];
@@ -60,10 +39,10 @@ WindowSums SumUp(const SpotPatch& patch, const WindowShape& w) {
   for (int row = 0; row < rows; ++row) {
     const float dy = static_cast<float>(row) - w.y_px;
     const float* const light = patch.Row(row);
-    const float factor = down[static_cast<std::size_t>(row / kLanes)][row % kLanes];
+    const float factor = down[static_cast<std::size_t>(row / kFloatLanes)][row % kFloatLanes];
     for (std::size_t v = 0; v < static_cast<std::size_t>(patch.vectors); ++v) {
       Floats pixels;
-      std::memcpy(&pixels, light + v * kLanes, sizeof(pixels));
+      std::memcpy(&pixels, light + v * kFloatLanes, sizeof(pixels));
       const Floats product = pixels * (weight[v] * factor), first = product * dy;
       g[v] += product, gy[v] += first, gyy[v] += first * dy;
       weight[v] *= ratio[v];
@@ -72,8 +51,8 @@ WindowSums SumUp(const SpotPatch& patch, const WindowShape& w) {
   WindowSums sums;
   for (std::size_t v = 0; v < static_cast<std::size_t>(patch.vectors); ++v) {
     const Floats gx = g[v] * dx[v];
-    sums.g += Sum(g[v]), sums.x += Sum(gx), sums.y += Sum(gy[v]);
-    sums.xx += Sum(gx * dx[v]), sums.xy += Sum(gy[v] * dx[v]), sums.yy += Sum(gyy[v]);
+    sums.g += SumLanes(g[v]), sums.x += SumLanes(gx), sums.y += SumLanes(gy[v]);
+    sums.xx += SumLanes(gx * dx[v]), sums.xy += SumLanes(gy[v] * dx[v]), sums.yy += SumLanes(gyy[v]);
   }
   return sums;
 }

@@ -22,7 +22,7 @@ struct Blob {
   float area_px = 0;                             ///< pixels above the threshold
   float sigma_major_px = 0, sigma_minor_px = 0;  ///< square roots of the eigenvalues of the second moments
   std::uint16_t x_min_px = 0, y_min_px = 0, x_max_px = 0, y_max_px = 0;  ///< bounding box, inclusive
-  bool saturated = false;  ///< at least one pixel of the region at full scale
+  bool saturated = false;                                                ///< at least one pixel at full scale
   /// One of two LEDs in one region, fitted together. Area and box are those of the region, flux, peak and
   /// sigmas those of the fit; `covariance_px2` has what either leaves open of the other, but the two errors
   /// are not independent.

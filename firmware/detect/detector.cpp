@@ -20,15 +20,17 @@ constexpr double kSigmas = 6;
 // - T is within 1.2 of the bound for peaks from 50 DN on (bounds simulated for T = 12 to 30).
 constexpr double kLeastContrastDn = 12;
 
-// Two LEDs of 200 DN and sigma 1.5 px merge up to 7 px apart, which makes them 2.6 x as long as wide.
-constexpr double kLongestPair = 4;
+// Two LEDs of 200 DN and sigma 1.5 px merge up to 7 px apart, which makes them 2.6 x as long as wide,
+// more above a threshold.
+constexpr double kLongestPair = 5;
 
 /// What of a merged region is one LED's.
-void Share(const LedPlace& place, Blob& blob) {
+void Share(const LedPlace& place, double full_dn, Blob& blob) {
   blob.merged = true;
   blob.flux_dn = static_cast<float>(2 * M_PI * place.sigma_px * place.sigma_px * place.height_dn);
   blob.peak_dn = static_cast<float>(std::min<double>(blob.peak_dn, blob.background_dn + place.height_dn));
   blob.sigma_major_px = blob.sigma_minor_px = static_cast<float>(place.sigma_px);
+  blob.saturated = blob.peak_dn >= static_cast<float>(full_dn);
 }
 
 /// The rows of small windows lie in lines and pages of their own: fetched one after the other they would cost
@@ -113,7 +115,7 @@ bool Detector::State::Measure(const base::ImageView& image, const Component& com
     blob.raw_px = place.centre_px;
     blob.ideal_px = *ideal_px;
     blob.covariance_px2 = slope * place.covariance_px2 * slope.transpose();
-    if (merged) Share(place, blob);
+    if (merged) Share(place, full_dn, blob);
     if (!out.blobs.push_back(blob)) ++out.rejects.no_room;
   }
   return true;

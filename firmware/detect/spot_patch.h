@@ -11,9 +11,9 @@ namespace adit::detect {
 
 /// A rectangle of pixels, of odd width and height, whose middle is the pixel nearest to a spot.
 struct SpotPatch {
-  static constexpr int kReachMaxPx = 11;  ///< from the middle to the edge
+  static constexpr int kReachMaxPx = 15;  ///< from the middle to the edge
   static constexpr int kLanes = 8;        ///< floats of one vector
-  static constexpr int kRowFloats = 24;   ///< three vectors
+  static constexpr int kRowFloats = 32;   ///< four vectors
   static constexpr std::size_t kFloats = kRowFloats * (2 * kReachMaxPx + 1);
 
   int x_px = 0, y_px = 0;                           ///< the middle

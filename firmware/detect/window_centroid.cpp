@@ -1,6 +1,7 @@
 #include "firmware/detect/window_centroid.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -26,7 +27,9 @@ WindowSums SumUp(const SpotPatch& patch, const WindowShape& w) {
   const int rows = 2 * patch.reach_y_px + 1;
   const Floats last_x = Floats{} + static_cast<float>(2 * patch.reach_x_px);
   FloatsRow dx, weight, ratio, g{}, gy{}, gyy{}, down;
-  for (std::size_t v = 0; v < static_cast<std::size_t>(kRowVectors); ++v) {
+  const auto vectors =
+      static_cast<std::size_t>(std::max(patch.vectors, (rows + kFloatLanes - 1) / kFloatLanes));
+  for (std::size_t v = 0; v < vectors; ++v) {
     const Floats place = kLaneIndex + static_cast<float>(v * kFloatLanes);
     dx[v] =
         (place < last_x ? place : last_x) - w.x_px;  // beyond the edge is no light: any finite weight will do

@@ -141,9 +141,9 @@ TrialErrors Measure(const TrialKind& kind, int images, unsigned seed) {
     detector.Detect(image.Frame(), {}, *blobs);
     errors.surplus += static_cast<int>(blobs->blobs.size());
     for (const Cell& cell : cells) Compare(cell, *blobs, errors, sum_px);
-    constexpr int kBounds = 14;  // of so many cells: it hardly depends on the phase
+    constexpr int kBounds = 7;  // of so many cells: it hardly depends on the phase
     for (int n = 0; n < kBounds && i == 0; ++n)
-      bound_px2 += BoundPx2(cells[static_cast<std::size_t>(4 * n)], kind) / kBounds;
+      bound_px2 += BoundPx2(cells[static_cast<std::size_t>(8 * n)], kind) / kBounds;
   }
   const int found = errors.spots - errors.missing;
   errors.surplus -= found;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "firmware/detect/avx2.h"
 #include "firmware/detect/spot_patch.h"
 
 namespace adit::detect {
@@ -19,7 +20,7 @@ inline constexpr Floats kLaneIndex{0, 1, 2, 3, 4, 5, 6, 7};
 
 /// x -> exp(x) to 3e-7 for x from -80 to 80, which a smaller x is taken for: 2^n times a polynomial
 /// (Taylor's) of what is left of x / ln 2. Not the library's, whose last bit depends on the processor.
-inline void Exp(Floats& x) {
+ADIT_INLINE void Exp(Floats& x) {
   constexpr float kLeast = -80, kLog2E = 1.44269504F, kLn2 = 0.69314718F;
   constexpr float kRound = 12582912.F;  // 1.5 * 2^23: adding it rounds to whole numbers
   const Floats bounded = x < kLeast ? Floats{} + kLeast : x;
@@ -32,7 +33,7 @@ inline void Exp(Floats& x) {
   x = rest * power;
 }
 
-inline float SumLanes(const Floats& v) {
+ADIT_INLINE float SumLanes(const Floats& v) {
   return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
 }
 

@@ -81,11 +81,11 @@ LedPlaces InCompany(const base::ImageView& image, const Component& component, co
   const Eigen::Vector2d reach_px = Eigen::Vector2d::Constant(kCompanyReachPx);
   if (!Load(image, spot.CentroidPx(), reach_px, threshold_dn, patch)) return {};
   // The other's moments above the threshold are those of all but the spot's.
-  const auto step_dn = static_cast<float>(threshold_dn) - patch.background_dn;
+  const auto step_dn = static_cast<float>(threshold_dn);
   double light_dn = 0;
   Eigen::Vector2d moment_px_dn = Eigen::Vector2d::Zero();
-  for (int y = 0; y < 2 * patch.reach_y_px + 1; ++y) {
-    for (int x = 0; x < 2 * patch.reach_x_px + 1; ++x) {
+  for (int y = 0; y < patch.HeightPx(); ++y) {
+    for (int x = 0; x < patch.WidthPx(); ++x) {
       const double above_dn = std::max(patch.Row(y)[x] - step_dn, 0.F);
       light_dn += above_dn, moment_px_dn += above_dn * Eigen::Vector2d(x, y);
     }

@@ -54,17 +54,18 @@ void Weigh(const SpotPatch& patch, const PixelLimits& pixels, Weights& weights) 
   const auto dark_dn2 = static_cast<float>(
       pixels.noise.VarianceDn2(std::max<double>(patch.background_dn, pixels.noise.background_dn)));
   const auto slope_dn = static_cast<float>(1 / pixels.noise.electrons_per_dn);
-  const auto clipped_dn = static_cast<float>(pixels.full_dn - 0.5 - patch.background_dn);
-  const int width = 2 * patch.reach_x_px + 1, height = 2 * patch.reach_y_px + 1;
+  const auto clipped_dn = static_cast<float>(pixels.full_dn);
+  const int width = patch.WidthPx(), height = patch.HeightPx();
   weights.count = 0, weights.energy = 0;
   for (int row = 0; row < height; ++row) {
-    const float* const light = patch.Row(row);
+    const float* const values = patch.Row(row);
     float* const to = weights.of.data() + static_cast<std::ptrdiff_t>(SpotPatch::kRowFloats) * row;
     for (int x = 0; x < patch.vectors * kFloatLanes; ++x) {
-      const bool known = x < width && light[x] < clipped_dn;
-      to[x] = known ? 1 / (dark_dn2 + slope_dn * std::max(light[x], 0.F)) : 0.F;
+      const float light_dn = values[x] - patch.background_dn;
+      const bool known = x < width && values[x] < clipped_dn;
+      to[x] = known ? 1 / (dark_dn2 + slope_dn * std::max(light_dn, 0.F)) : 0.F;
       weights.count += known ? 1 : 0;
-      weights.energy += static_cast<double>(to[x] * light[x] * light[x]);
+      weights.energy += static_cast<double>(to[x] * light_dn * light_dn);
     }
   }
 }
@@ -83,7 +84,8 @@ struct Accumulator {
   std::array<Floats, kRaw> slopes{};
   Floats chi2{};
 
-  void Take(const std::array<Floats, kRaw>& derivative, const Floats& residual, const Floats& weight) {
+  ADIT_INLINE void Take(const std::array<Floats, kRaw>& derivative, const Floats& residual,
+                        const Floats& weight) {
     std::size_t at = 0;
     const Floats weighted = weight * residual;
     for (std::size_t i = 0; i < kRaw; ++i) {
@@ -93,7 +95,7 @@ struct Accumulator {
     }
     chi2 += weighted * residual;
   }
-  NormalEquations Sums() const {
+  ADIT_INLINE NormalEquations Sums() const {
     NormalEquations out;
     std::size_t at = 0;
     for (int i = 0; i < kRaw; ++i) {
@@ -110,7 +112,7 @@ struct Factors {
   FloatsRow dx, across, down;
   float height = 0, y_px = 0, per_size = 0;
 
-  void Set(double height_dn, double x_px, double y, double size_px2) {
+  ADIT_INLINE void Set(double height_dn, double x_px, double y, double size_px2) {
     height = static_cast<float>(height_dn), y_px = static_cast<float>(y),
     per_size = static_cast<float>(1 / size_px2);
     for (std::size_t v = 0; v < static_cast<std::size_t>(kRowVectors); ++v) {
@@ -125,21 +127,21 @@ struct Factors {
 };
 
 template <int kSpots>
-NormalEquations Accumulate(const SpotPatch& patch, const Weights& weights, const RawVector& raw) {
+ADIT_INLINE NormalEquations Accumulate(const SpotPatch& patch, const Weights& weights, const RawVector& raw) {
   std::array<Factors, kSpots> spots;
   for (std::size_t k = 0; k < kSpots; ++k) {
     const auto of = raw.segment<kPerSpot>(kPerSpot * static_cast<Eigen::Index>(k));
     spots[k].Set(of[0], of[1], of[2], of[3]);
   }
-  const auto background = static_cast<float>(raw[kPerSpot * kSpots]);
+  const float background = patch.background_dn + static_cast<float>(raw[kPerSpot * kSpots]);
   Accumulator<kSpots> sums;
   std::array<Floats, Accumulator<kSpots>::kRaw> derivative;
   derivative.back() = Floats{} + 1.F;
-  for (int row = 0; row < 2 * patch.reach_y_px + 1; ++row) {
+  for (int row = 0; row < patch.HeightPx(); ++row) {
     const std::size_t first = static_cast<std::size_t>(SpotPatch::kRowFloats * row);
     for (std::size_t v = 0; v < static_cast<std::size_t>(patch.vectors); ++v) {
       Floats residual, weight;
-      std::memcpy(&residual, patch.light_dn.data() + first + v * kFloatLanes, sizeof(residual));
+      std::memcpy(&residual, patch.value_dn.data() + first + v * kFloatLanes, sizeof(residual));
       std::memcpy(&weight, weights.of.data() + first + v * kFloatLanes, sizeof(weight));
       residual -= background;
       for (std::size_t k = 0; k < kSpots; ++k) {
@@ -158,6 +160,20 @@ NormalEquations Accumulate(const SpotPatch& patch, const Weights& weights, const
   return sums.Sums();
 }
 
+template <int kSpots>
+NormalEquations AccumulateBaseline(const SpotPatch& patch, const Weights& weights, const RawVector& raw) {
+  return Accumulate<kSpots>(patch, weights, raw);
+}
+template <int kSpots>
+ADIT_AVX2 NormalEquations AccumulateAvx2(const SpotPatch& patch, const Weights& weights,
+                                         const RawVector& raw) {
+  return Accumulate<kSpots>(patch, weights, raw);
+}
+template <int kSpots>
+NormalEquations AccumulateFastest(const SpotPatch& patch, const Weights& weights, const RawVector& raw) {
+  return (HasAvx2() ? AccumulateAvx2<kSpots> : AccumulateBaseline<kSpots>)(patch, weights, raw);
+}
+
 /// The normal equations of the model's own parameters.
 struct Step {
   FitMatrix products;
@@ -170,9 +186,9 @@ Step Evaluate(const SpotPatch& patch, const Weights& weights, const ModelMap& ma
   const Eigen::Index rows = map.from.rows();
   RawVector raw = RawVector::Zero();
   raw.head(rows) = map.from * parameters;
-  const NormalEquations sums = map.spots == 1   ? Accumulate<1>(patch, weights, raw)
-                               : map.spots == 2 ? Accumulate<2>(patch, weights, raw)
-                                                : Accumulate<3>(patch, weights, raw);
+  const NormalEquations sums = map.spots == 1   ? AccumulateFastest<1>(patch, weights, raw)
+                               : map.spots == 2 ? AccumulateFastest<2>(patch, weights, raw)
+                                                : AccumulateFastest<3>(patch, weights, raw);
   Step step;
   step.products = map.from.transpose() * sums.products.topLeftCorner(rows, rows).eval() * map.from;
   step.slopes = map.from.transpose() * sums.slopes.head(rows);

@@ -16,14 +16,16 @@ struct SpotPatch {
   static constexpr int kRowFloats = 32;   ///< four vectors
   static constexpr std::size_t kFloats = kRowFloats * (2 * kReachMaxPx + 1);
 
-  int x_px = 0, y_px = 0;                           ///< the middle
-  int reach_x_px = 0, reach_y_px = 0;               ///< from there to the edges
-  int vectors = 0;                                  ///< of a row; what is beyond the edge is 0
-  float background_dn = 0;                          ///< mean of the outermost pixels
-  int bright_px = 0;                                ///< pixels above the threshold
-  alignas(32) std::array<float, kFloats> light_dn;  ///< row by row, above `background_dn`
+  int x_px = 0, y_px = 0;              ///< the middle
+  int reach_x_px = 0, reach_y_px = 0;  ///< from there to the edges
+  int vectors = 0;                     ///< of a row; what is beyond the edge is any finite number
+  float background_dn = 0;             ///< mean of the outermost pixels
+  int bright_px = 0;                   ///< pixels above the threshold
+  alignas(32) std::array<float, kFloats> value_dn;  ///< row by row, background included
 
-  const float* Row(int row) const { return light_dn.data() + static_cast<std::size_t>(kRowFloats * row); }
+  int WidthPx() const { return 2 * reach_x_px + 1; }
+  int HeightPx() const { return 2 * reach_y_px + 1; }
+  const float* Row(int row) const { return value_dn.data() + static_cast<std::size_t>(kRowFloats * row); }
 };
 
 /// Fills `patch` with what lies up to `reach_px` (at most kReachMaxPx) around `middle_px`. At the image's

@@ -1,7 +1,6 @@
 #include "firmware/detect/window_centroid.h"
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -23,41 +22,64 @@ struct WindowShape {
   float x_px, y_px;  ///< its middle, from the patch's first pixel
 };
 
-WindowSums SumUp(const SpotPatch& patch, const WindowShape& w) {
-  const int rows = 2 * patch.reach_y_px + 1;
-  const Floats last_x = Floats{} + static_cast<float>(2 * patch.reach_x_px);
-  FloatsRow dx, weight, ratio, g{}, gy{}, gyy{}, down;
-  const auto vectors =
-      static_cast<std::size_t>(std::max(patch.vectors, (rows + kFloatLanes - 1) / kFloatLanes));
-  for (std::size_t v = 0; v < vectors; ++v) {
+template <int kVectors>
+ADIT_INLINE WindowSums SumUp(const SpotPatch& patch, const WindowShape& w) {
+  constexpr std::size_t kCount = kVectors;
+  const int rows = patch.HeightPx();
+  const Floats end = Floats{} + static_cast<float>(patch.WidthPx());
+  FloatsRow down;
+  std::array<Floats, kCount> dx, weight, ratio, g{}, gy{}, gyy{};
+  for (std::size_t v = 0; v < kCount; ++v) {
     const Floats place = kLaneIndex + static_cast<float>(v * kFloatLanes);
-    dx[v] =
-        (place < last_x ? place : last_x) - w.x_px;  // beyond the edge is no light: any finite weight will do
+    const Floats inside = place < end ? place : end;  // beyond the edge the weight is 0
+    dx[v] = inside - w.x_px;
     weight[v] = (-0.5F * w.p * dx[v] + w.q * w.y_px) * dx[v];
     ratio[v] = -w.q * dx[v];
-    const Floats dy = place - w.y_px;
+    Exp(weight[v]), Exp(ratio[v]);
+    weight[v] = place < end ? weight[v] : Floats{};
+  }
+  for (std::size_t v = 0; kFloatLanes * static_cast<int>(v) < rows; ++v) {
+    const Floats dy = kLaneIndex + (static_cast<float>(v * kFloatLanes) - w.y_px);
     down[v] = -0.5F * w.r * dy * dy;
-    Exp(weight[v]), Exp(ratio[v]), Exp(down[v]);
+    Exp(down[v]);
   }
   for (int row = 0; row < rows; ++row) {
     const float dy = static_cast<float>(row) - w.y_px;
-    const float* const light = patch.Row(row);
+    const float* const values = patch.Row(row);
     const float factor = down[static_cast<std::size_t>(row / kFloatLanes)][row % kFloatLanes];
-    for (std::size_t v = 0; v < static_cast<std::size_t>(patch.vectors); ++v) {
+    for (std::size_t v = 0; v < kCount; ++v) {
       Floats pixels;
-      std::memcpy(&pixels, light + v * kFloatLanes, sizeof(pixels));
-      const Floats product = pixels * (weight[v] * factor), first = product * dy;
+      std::memcpy(&pixels, values + v * kFloatLanes, sizeof(pixels));
+      const Floats product = (pixels - patch.background_dn) * (weight[v] * factor), first = product * dy;
       g[v] += product, gy[v] += first, gyy[v] += first * dy;
       weight[v] *= ratio[v];
     }
   }
   WindowSums sums;
-  for (std::size_t v = 0; v < static_cast<std::size_t>(patch.vectors); ++v) {
+  for (std::size_t v = 0; v < kCount; ++v) {
     const Floats gx = g[v] * dx[v];
     sums.g += SumLanes(g[v]), sums.x += SumLanes(gx), sums.y += SumLanes(gy[v]);
     sums.xx += SumLanes(gx * dx[v]), sums.xy += SumLanes(gy[v] * dx[v]), sums.yy += SumLanes(gyy[v]);
   }
   return sums;
+}
+
+template <int kVectors>
+WindowSums SumUpBaseline(const SpotPatch& patch, const WindowShape& w) {
+  return SumUp<kVectors>(patch, w);
+}
+template <int kVectors>
+ADIT_AVX2 WindowSums SumUpAvx2(const SpotPatch& patch, const WindowShape& w) {
+  return SumUp<kVectors>(patch, w);
+}
+
+WindowSums SumUpFastest(const SpotPatch& patch, const WindowShape& w) {
+  using Sums = WindowSums (*)(const SpotPatch&, const WindowShape&);
+  static constexpr std::array<Sums, kRowVectors> kBaseline{SumUpBaseline<1>, SumUpBaseline<2>,
+                                                           SumUpBaseline<3>, SumUpBaseline<4>};
+  static constexpr std::array<Sums, kRowVectors> kAvx2{SumUpAvx2<1>, SumUpAvx2<2>, SumUpAvx2<3>,
+                                                       SumUpAvx2<4>};
+  return (HasAvx2() ? kAvx2 : kBaseline)[static_cast<std::size_t>(patch.vectors - 1)](patch, w);
 }
 
 }  // namespace
@@ -71,8 +93,9 @@ std::optional<GaussianSpot> ThroughWindow(const SpotPatch& patch, const Gaussian
   if (!(inverse(0, 0) * patch.reach_x_px * patch.reach_x_px < 2 * kMostExponent &&
         inverse(1, 1) * patch.reach_y_px * patch.reach_y_px < 2 * kMostExponent))
     return std::nullopt;
-  const WindowSums s = SumUp(patch, {static_cast<float>(inverse(0, 0)), static_cast<float>(inverse(0, 1)),
-                                     static_cast<float>(inverse(1, 1)), middle_px.x(), middle_px.y()});
+  const WindowSums s =
+      SumUpFastest(patch, {static_cast<float>(inverse(0, 0)), static_cast<float>(inverse(0, 1)),
+                           static_cast<float>(inverse(1, 1)), middle_px.x(), middle_px.y()});
   if (!(s.g > 0)) return std::nullopt;
   const Eigen::Vector2d mean(s.x / s.g, s.y / s.g);
   Eigen::Matrix2d product;

@@ -1,6 +1,7 @@
 #include "firmware/detect/spot_patch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -11,30 +12,26 @@
 namespace adit::detect {
 namespace {
 
-using Bytes = std::uint8_t __attribute__((vector_size(kFloatLanes)));
-using Words = std::uint16_t __attribute__((vector_size(kFloatLanes * sizeof(std::uint16_t))));
-
 /// Copies the image's pixels from the patch's first one on, and counts the bright ones. Whole vectors may be
 /// read.
-template <typename Pixels>
+template <typename Pixel, int kVectors>
 ADIT_INLINE void CopyVectors(const base::ImageView& image, float threshold_dn, SpotPatch& patch) {
+  constexpr int kCount = kVectors * kFloatLanes;
   const std::ptrdiff_t first_byte =
-      static_cast<std::ptrdiff_t>(sizeof(Pixels) / kFloatLanes) * (patch.x_px - patch.reach_x_px);
-  const Floats end = Floats{} + static_cast<float>(patch.WidthPx());
-  Ints bright{};
-  for (int row = 0; row < patch.HeightPx(); ++row) {
-    const std::uint8_t* from = image.Row(patch.y_px - patch.reach_y_px + row) + first_byte;
-    float* to = patch.value_dn.data() + static_cast<std::ptrdiff_t>(SpotPatch::kRowFloats) * row;
-    for (int v = 0; v < patch.vectors; ++v, from += sizeof(Pixels), to += kFloatLanes) {
-      Pixels pixels;
-      std::memcpy(&pixels, from, sizeof(pixels));
-      const Floats values = __builtin_convertvector(__builtin_convertvector(pixels, Ints), Floats);
-      std::memcpy(to, &values, sizeof(values));
-      bright -= (values > threshold_dn) & (kLaneIndex + static_cast<float>(v * kFloatLanes) < end);
+      static_cast<std::ptrdiff_t>(sizeof(Pixel)) * (patch.x_px - patch.reach_x_px);
+  const std::uint8_t* from = image.Row(patch.y_px - patch.reach_y_px) + first_byte;
+  float* to = patch.value_dn.data();
+  std::array<int, kCount> bright{};
+  for (int row = patch.HeightPx(); row > 0; --row, from += image.stride_bytes, to += SpotPatch::kRowFloats) {
+    std::array<Pixel, kCount> pixels;
+    std::memcpy(pixels.data(), from, sizeof(pixels));
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const auto value = static_cast<float>(pixels[i]);
+      to[i] = value, bright[i] += value > threshold_dn ? 1 : 0;
     }
   }
   patch.bright_px = 0;
-  for (int i = 0; i < kFloatLanes; ++i) patch.bright_px += bright[i];
+  for (int x = 0; x < patch.WidthPx(); ++x) patch.bright_px += bright[static_cast<std::size_t>(x)];
 }
 
 /// The same where vectors would reach beyond the row.
@@ -56,20 +53,26 @@ void CopyPixels(const base::ImageView& image, float threshold_dn, SpotPatch& pat
   }
 }
 
-void CopyBaseline8(const base::ImageView& image, float threshold_dn, SpotPatch& patch) {
-  CopyVectors<Bytes>(image, threshold_dn, patch);
+template <typename Pixel, int kVectors>
+void CopyBaseline(const base::ImageView& image, float threshold_dn, SpotPatch& patch) {
+  CopyVectors<Pixel, kVectors>(image, threshold_dn, patch);
 }
-ADIT_AVX2 void CopyAvx2Of8(const base::ImageView& image, float threshold_dn, SpotPatch& patch) {
-  CopyVectors<Bytes>(image, threshold_dn, patch);
+template <typename Pixel, int kVectors>
+ADIT_AVX2 void CopyAvx2(const base::ImageView& image, float threshold_dn, SpotPatch& patch) {
+  CopyVectors<Pixel, kVectors>(image, threshold_dn, patch);
 }
 
+template <typename Pixel>
 void Copy(const base::ImageView& image, float threshold_dn, SpotPatch& patch) {
+  using Copier = void (*)(const base::ImageView&, float, SpotPatch&);
+  static constexpr std::array<Copier, kRowVectors> kBaseline{CopyBaseline<Pixel, 1>, CopyBaseline<Pixel, 2>,
+                                                             CopyBaseline<Pixel, 3>, CopyBaseline<Pixel, 4>};
+  static constexpr std::array<Copier, kRowVectors> kAvx2{CopyAvx2<Pixel, 1>, CopyAvx2<Pixel, 2>,
+                                                         CopyAvx2<Pixel, 3>, CopyAvx2<Pixel, 4>};
   const bool whole = patch.x_px - patch.reach_x_px + kFloatLanes * patch.vectors <= image.width_px;
-  if (image.BytesPerPixel() == 2) {
-    (whole ? CopyVectors<Words> : CopyPixels<std::uint16_t>)(image, threshold_dn, patch);
-  } else {
-    (!whole ? CopyPixels<std::uint8_t> : HasAvx2() ? CopyAvx2Of8 : CopyBaseline8)(image, threshold_dn, patch);
-  }
+  const auto& copiers = HasAvx2() ? kAvx2 : kBaseline;
+  (whole ? copiers[static_cast<std::size_t>(patch.vectors - 1)] : CopyPixels<Pixel>)(image, threshold_dn,
+                                                                                     patch);
 }
 
 float MeanOfEdge(const SpotPatch& patch) {
@@ -96,7 +99,8 @@ bool Load(const base::ImageView& image, const Eigen::Vector2d& middle_px, const 
   patch.reach_y_px = reach(reach_px.y(), patch.y_px, image.height_px);
   if (patch.reach_x_px < 1 || patch.reach_y_px < 1) return false;
   patch.vectors = (patch.WidthPx() + kFloatLanes - 1) / kFloatLanes;
-  Copy(image, static_cast<float>(threshold_dn), patch);
+  (image.BytesPerPixel() == 2 ? Copy<std::uint16_t>
+                              : Copy<std::uint8_t>)(image, static_cast<float>(threshold_dn), patch);
   patch.background_dn = MeanOfEdge(patch);
   return true;
 }

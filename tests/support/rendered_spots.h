@@ -2,6 +2,7 @@
 // pixels (erf), shot and read noise, rounding.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>

@@ -11,7 +11,7 @@ namespace adit::detect {
 
 inline constexpr std::size_t kMaxBlobs = 512;  ///< candidates kept per image; more are counted, not kept
 
-/// One connected bright region that passed size and shape.
+/// One connected bright region that passed size and shape, or one of two LEDs that merged in it.
 struct Blob {
   Eigen::Vector2d raw_px = Eigen::Vector2d::Zero();          ///< centroid in the image as taken
   Eigen::Vector2d ideal_px = Eigen::Vector2d::Zero();        ///< the same without lens distortion
@@ -23,6 +23,10 @@ struct Blob {
   float sigma_major_px = 0, sigma_minor_px = 0;  ///< square roots of the eigenvalues of the second moments
   std::uint16_t x_min_px = 0, y_min_px = 0, x_max_px = 0, y_max_px = 0;  ///< bounding box, inclusive
   bool saturated = false;                                                ///< at least one pixel at full scale
+  /// One of two LEDs in one region, fitted together. Area and box are those of the region, flux, peak and
+  /// sigmas those of the fit; `covariance_px2` has what either leaves open of the other, but the two errors
+  /// are not independent.
+  bool merged = false;
 };
 
 /// Why components were left out, counted per image.

@@ -1,5 +1,6 @@
 #include "firmware/detect/centroid.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -88,21 +89,38 @@ Eigen::Matrix2d SpotMoments::CovariancePx2() const {
   covariance(1, 1) = sum(&Moments::yy) - 2 * cy * vy + cy * cy * v;
   covariance(0, 1) = covariance(1, 0) = sum(&Moments::xy) - cx * vy - cy * vx + cx * cy * v;
   covariance /= light.g * light.g;
-  // A Gaussian of height h, cut off at t, covers 2 pi sigma^2 ln(h / t).
-  const double height_dn = std::max(1.0, PeakDn() - noise_.background_dn);
-  const double cut = std::clamp((threshold_dn_ - noise_.background_dn) / height_dn, 0.01, 0.9);
-  const double sigma_px2 = ones.g / (-2 * M_PI * std::log(cut));
-  const double bias_px = kCutOffPx3 * cut / std::max(sigma_px2, 1.0);
+  const double bias_px = kCutOffPx3 * Cut() / std::max(GaussianSizePx2(), 1.0);
   return covariance + bias_px * bias_px * Eigen::Matrix2d::Identity();
 }
 
-Eigen::Vector2d SpotMoments::SigmasPx() const {
+double SpotMoments::Cut() const {
+  const double height_dn = std::max(1.0, PeakDn() - noise_.background_dn);
+  return std::clamp((threshold_dn_ - noise_.background_dn) / height_dn, 0.01, 0.9);
+}
+
+double SpotMoments::GaussianSizePx2() const {
+  // A Gaussian of height h, cut off at t, covers 2 pi sigma^2 ln(h / t).
+  return static_cast<double>(ones_.g) / (-2 * M_PI * std::log(Cut()));
+}
+
+Eigen::Matrix2d SpotMoments::GaussianShapePx2() const {
+  const Eigen::Matrix2d seen_px2 = SecondMomentsPx2();
+  return seen_px2 * (GaussianSizePx2() / std::sqrt(seen_px2.determinant()));
+}
+
+Eigen::Matrix2d SpotMoments::SecondMomentsPx2() const {
   const Moments light(light_);
   const double cx = light.x / light.g, cy = light.y / light.g;
-  const double a = light.xx / light.g - cx * cx + kPixelVariancePx2;
-  const double b = light.xy / light.g - cx * cy;
-  const double d = light.yy / light.g - cy * cy + kPixelVariancePx2;
-  const double middle = (a + d) / 2, half = std::hypot((a - d) / 2, b);
+  Eigen::Matrix2d moments_px2;
+  moments_px2(0, 0) = light.xx / light.g - cx * cx + kPixelVariancePx2;
+  moments_px2(0, 1) = moments_px2(1, 0) = light.xy / light.g - cx * cy;
+  moments_px2(1, 1) = light.yy / light.g - cy * cy + kPixelVariancePx2;
+  return moments_px2;
+}
+
+Eigen::Vector2d SpotMoments::SigmasPx() const {
+  const Eigen::Matrix2d m = SecondMomentsPx2();
+  const double middle = m.trace() / 2, half = std::hypot((m(0, 0) - m(1, 1)) / 2, m(0, 1));
   return {std::sqrt(middle + half), std::sqrt(std::max(middle - half, 0.0))};
 }
 

@@ -42,6 +42,9 @@ class SpotMoments {
   Eigen::Matrix2d CovariancePx2() const;
   /// Square roots of the eigenvalues of the second moments, larger first.
   Eigen::Vector2d SigmasPx() const;
+  /// Second moments of the spot if it is a Gaussian: their ratios as above the threshold, their size from the
+  /// pixels there.
+  Eigen::Matrix2d GaussianShapePx2() const;
   double PeakDn() const { return static_cast<double>(peak_dn_); }
   /// Sum of the brightness above the background.
   double FluxDn() const {
@@ -50,6 +53,10 @@ class SpotMoments {
   }
 
  private:
+  Eigen::Matrix2d SecondMomentsPx2() const;
+  double Cut() const;              ///< threshold / peak, above the background
+  double GaussianSizePx2() const;  ///< geometric mean of a Gaussian's second moments
+
   Eigen::Vector2i origin_px_;
   int threshold_dn_;
   PixelNoise noise_;

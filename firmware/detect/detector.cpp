@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "firmware/base/prefetch.h"
 #include "firmware/base/require.h"
 #include "firmware/detect/background.h"
 #include "firmware/detect/centroid.h"
 #include "firmware/detect/components.h"
+#include "firmware/detect/refine.h"
 
 namespace adit::detect {
 namespace {
@@ -19,6 +19,19 @@ constexpr double kSigmas = 6;
 // and never nearer than this to the background, at 8 bit: uneven veils and glare stay dark, and the weight I
 // - T is within 1.2 of the bound for peaks from 50 DN on (bounds simulated for T = 12 to 30).
 constexpr double kLeastContrastDn = 12;
+
+// Two LEDs of 200 DN and sigma 1.5 px merge up to 7 px apart, which makes them 2.6 x as long as wide,
+// more above a threshold.
+constexpr double kLongestPair = 5;
+
+/// What of a merged region is one LED's.
+void Share(const LedPlace& place, double full_dn, Blob& blob) {
+  blob.merged = true;
+  blob.flux_dn = static_cast<float>(2 * M_PI * place.sigma_px * place.sigma_px * place.height_dn);
+  blob.peak_dn = static_cast<float>(std::min<double>(blob.peak_dn, blob.background_dn + place.height_dn));
+  blob.sigma_major_px = blob.sigma_minor_px = static_cast<float>(place.sigma_px);
+  blob.saturated = blob.peak_dn >= static_cast<float>(full_dn);
+}
 
 /// The rows of small windows lie in lines and pages of their own: fetched one after the other they would cost
 /// more than all the rest.
@@ -41,8 +54,8 @@ struct Detector::State {
 
   void Search(const base::ImageView& image, const Window& window, const PixelNoise& noise, BlobSet& out);
   std::uint32_t* ReasonToDrop(const Component& component, const Window& window, BlobSet& out) const;
-  std::optional<Blob> Measure(const base::ImageView& image, const Component& component,
-                              const PixelNoise& noise, int threshold_dn) const;
+  bool Measure(const base::ImageView& image, const Component& component, const PixelNoise& noise,
+               BlobSet& out) const;
 };
 
 Detector::Detector(const optics::CameraModel& camera, const DetectorOptions& options)
@@ -70,21 +83,22 @@ std::uint32_t* Detector::State::ReasonToDrop(const Component& component, const W
   return nullptr;
 }
 
-/// The blob of a component, or none if it is not round or lies where the lens does not image.
-std::optional<Blob> Detector::State::Measure(const base::ImageView& image, const Component& component,
-                                             const PixelNoise& noise, int threshold_dn) const {
+/// Adds the blob of a component, or two if two LEDs merged in it. False if it is neither round nor two or
+/// lies where the lens does not image.
+bool Detector::State::Measure(const base::ImageView& image, const Component& component,
+                              const PixelNoise& noise, BlobSet& out) const {
   const Component& c = component;
+  const auto threshold_dn = static_cast<int>(out.threshold_dn);
   SpotMoments spot({c.x_min_px, c.y_min_px}, threshold_dn, noise);
   components.ForEachRun(c, [&](const Run& run) { spot.Take(image, run); });
   const Eigen::Vector2d sigmas_px = spot.SigmasPx();
-  if (!(sigmas_px.x() <= options.elongation_max * sigmas_px.y())) return std::nullopt;
-  Eigen::Matrix2d slope;
-  const auto ideal_px = camera.Undistort(spot.CentroidPx(), &slope);
-  if (!ideal_px) return std::nullopt;
+  const double full_dn = (1 << image.bits) - 1;
+  if (!(sigmas_px.x() <= kLongestPair * sigmas_px.y())) return false;
+  LedPlaces places = Refine(image, c, spot, threshold_dn, {noise, full_dn});
+  const bool merged = places.size() == 2;
+  if (!merged && !(sigmas_px.x() <= options.elongation_max * sigmas_px.y())) return false;
+  if (places.empty()) places.push_back({spot.CentroidPx(), spot.CovariancePx2()});
   Blob blob;
-  blob.raw_px = spot.CentroidPx();
-  blob.ideal_px = *ideal_px;
-  blob.covariance_px2 = slope * spot.CovariancePx2() * slope.transpose();
   blob.flux_dn = static_cast<float>(spot.FluxDn());
   blob.peak_dn = static_cast<float>(spot.PeakDn());
   blob.background_dn = static_cast<float>(noise.background_dn);
@@ -93,8 +107,18 @@ std::optional<Blob> Detector::State::Measure(const base::ImageView& image, const
   blob.sigma_minor_px = static_cast<float>(sigmas_px.y());
   blob.x_min_px = c.x_min_px, blob.y_min_px = c.y_min_px;
   blob.x_max_px = c.x_max_px, blob.y_max_px = c.y_max_px;
-  blob.saturated = spot.PeakDn() >= (1 << image.bits) - 1;
-  return blob;
+  blob.saturated = spot.PeakDn() >= full_dn;
+  for (const LedPlace& place : places) {
+    Eigen::Matrix2d slope;
+    const auto ideal_px = camera.Undistort(place.centre_px, &slope);
+    if (!ideal_px) return false;
+    blob.raw_px = place.centre_px;
+    blob.ideal_px = *ideal_px;
+    blob.covariance_px2 = slope * place.covariance_px2 * slope.transpose();
+    if (merged) Share(place, full_dn, blob);
+    if (!out.blobs.push_back(blob)) ++out.rejects.no_room;
+  }
+  return true;
 }
 
 void Detector::State::Search(const base::ImageView& image, const Window& window, const PixelNoise& noise,
@@ -107,9 +131,7 @@ void Detector::State::Search(const base::ImageView& image, const Window& window,
   for (const Component& component : components.All()) {
     std::uint32_t* reason = ReasonToDrop(component, window, out);
     if (reason == nullptr) {
-      const auto blob = Measure(image, component, noise, threshold_dn);
-      if (blob) out.blobs.push_back(*blob);
-      if (!blob) reason = &out.rejects.not_round;
+      if (!Measure(image, component, noise, out)) reason = &out.rejects.not_round;
     }
     if (reason != nullptr) ++*reason;
   }

@@ -3,6 +3,8 @@
 #include <bit>
 #include <cstring>
 
+#include "firmware/detect/avx2.h"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #elif defined(__aarch64__)
@@ -76,8 +78,6 @@ struct Sse2x16 {
     return (first | BitsOf(_mm_packs_epi16(dark(2), dark(3))) << 16) ^ 0xFFFF'FFFF;
   }
 };
-
-#define ADIT_AVX2 __attribute__((target("avx2")))
 
 ADIT_AVX2 std::uint64_t BitsOf(__m256i bytes) {
   return static_cast<std::uint32_t>(_mm256_movemask_epi8(bytes));
@@ -175,7 +175,7 @@ bool ScanRowPlain16(const std::uint8_t* row, int width, int threshold, std::uint
 RowScan FastestRowScan(int bytes_per_pixel) {
   const bool bytes = bytes_per_pixel == 1;
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2"))
+  if (HasAvx2())
     return bytes ? ScanRow<ScanAvx2<Avx2x8>, ScanRowPlain8> : ScanRow<ScanAvx2<Avx2x16>, ScanRowPlain16>;
   return bytes ? ScanRow<Scan<Sse2x8>, ScanRowPlain8> : ScanRow<Scan<Sse2x16>, ScanRowPlain16>;
 #elif defined(__aarch64__)

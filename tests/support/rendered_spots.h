@@ -1,9 +1,8 @@
 // Images of spots whose truth is known, rendered by code of the tests' own: Gaussians integrated over the
-// pixels (erf), shot and read noise, rounding. And what no estimator can beat on them.
+// pixels (erf), shot and read noise, rounding.
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -13,11 +12,13 @@
 
 namespace adit::support {
 
-/// One Gaussian spot. `peak_dn` is the height above the background of its middle, before clipping.
+/// One Gaussian spot, drawn along a straight movement during the exposure. `peak_dn` is the height above the
+/// background that its middle has at rest, before clipping.
 struct RenderedSpot {
   double x_px = 0, y_px = 0;
   double sigma_px = 1.5;
   double peak_dn = 200;
+  double smear_x_px = 0, smear_y_px = 0;  ///< from the movement's begin to its end
 };
 
 /// The sensor's noise, in DN of 8 bit.
@@ -34,6 +35,19 @@ inline double PixelShare(double i, double centre_px, double sigma_px) {
   return integral * std::sqrt(2 * M_PI) * sigma_px;
 }
 
+/// Brightness that the spot gives to the pixel (x, y).
+inline double LightDn(const RenderedSpot& spot, double x, double y) {
+  const double length_px = std::hypot(spot.smear_x_px, spot.smear_y_px);
+  const int steps = length_px == 0 ? 1 : 2 * static_cast<int>(std::ceil(length_px)) + 5;
+  double light_dn = 0;
+  for (int i = 0; i < steps; ++i) {
+    const double part = (i + 0.5) / steps - 0.5;
+    light_dn += PixelShare(x, spot.x_px + part * spot.smear_x_px, spot.sigma_px) *
+                PixelShare(y, spot.y_px + part * spot.smear_y_px, spot.sigma_px);
+  }
+  return spot.peak_dn * light_dn / steps;
+}
+
 /// A grey image in memory of its own; `padding_bytes` follow each row.
 class RenderedImage {
  public:
@@ -45,17 +59,19 @@ class RenderedImage {
     light_dn_.assign(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px), 0);
   }
 
+  /// The level of a dark pixel, which has no shot noise, and light that grows along x and y.
   void Background(double level_dn, double slope_x_dn = 0, double slope_y_dn = 0) {
+    dark_dn_ = level_dn;
     for (int y = 0; y < height_px_; ++y)
       for (int x = 0; x < width_px_; ++x) Light(x, y) = level_dn + slope_x_dn * x + slope_y_dn * y;
   }
   void Add(const RenderedSpot& spot) {
-    const int reach = static_cast<int>(std::ceil(6 * spot.sigma_px)) + 1;
+    const double half_smear_px = std::hypot(spot.smear_x_px, spot.smear_y_px) / 2;
+    const int reach = static_cast<int>(std::ceil(6 * spot.sigma_px + half_smear_px)) + 1;
     const int cx = static_cast<int>(std::lround(spot.x_px)), cy = static_cast<int>(std::lround(spot.y_px));
     for (int y = std::max(0, cy - reach); y <= std::min(height_px_ - 1, cy + reach); ++y)
       for (int x = std::max(0, cx - reach); x <= std::min(width_px_ - 1, cx + reach); ++x)
-        Light(x, y) +=
-            spot.peak_dn * PixelShare(x, spot.x_px, spot.sigma_px) * PixelShare(y, spot.y_px, spot.sigma_px);
+        Light(x, y) += LightDn(spot, x, y);
   }
   /// Light -> pixels. Without noise if `random` is null.
   void Expose(const SensorNoise& noise, std::mt19937* random) {
@@ -65,7 +81,7 @@ class RenderedImage {
       for (int x = 0; x < width_px_; ++x) {
         const double light_dn = Light(x, y);
         const double variance =
-            noise.read_dn * noise.read_dn + std::max(0.0, light_dn) / noise.electrons_per_dn;
+            noise.read_dn * noise.read_dn + std::max(0.0, light_dn - dark_dn_) / noise.electrons_per_dn;
         const double value = light_dn + (random != nullptr ? std::sqrt(variance) * gauss(*random) : 0);
         Put(x, y, std::clamp(std::round(value * scale), 0.0, full_dn));
       }
@@ -96,33 +112,7 @@ class RenderedImage {
   std::size_t stride_bytes_ = 0;
   std::vector<std::uint8_t> bytes_;
   std::vector<double> light_dn_;
+  double dark_dn_ = 0;
 };
-
-/// The Cramer-Rao bound of the spot's x (px): peak, place and background unknown, clipped pixels without
-/// information.
-inline double CramerRaoXPx(const RenderedSpot& spot, double background_dn, const SensorNoise& noise,
-                           double full_dn = 255) {
-  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
-  const int reach = static_cast<int>(std::ceil(5 * spot.sigma_px));
-  constexpr double kStepPx = 1e-4;
-  for (int y = -reach; y <= reach; ++y) {
-    for (int x = -reach; x <= reach; ++x) {
-      const double fx = spot.x_px - std::floor(spot.x_px), fy = spot.y_px - std::floor(spot.y_px);
-      const double gx = PixelShare(x, fx, spot.sigma_px), gy = PixelShare(y, fy, spot.sigma_px);
-      const double light = background_dn + spot.peak_dn * gx * gy;
-      if (light > full_dn) continue;
-      const double dx =
-          (PixelShare(x, fx + kStepPx, spot.sigma_px) - PixelShare(x, fx - kStepPx, spot.sigma_px)) /
-          (2 * kStepPx);
-      const double dy =
-          (PixelShare(y, fy + kStepPx, spot.sigma_px) - PixelShare(y, fy - kStepPx, spot.sigma_px)) /
-          (2 * kStepPx);
-      const Eigen::Vector4d slope(spot.peak_dn * dx * gy, spot.peak_dn * gx * dy, gx * gy, 1);
-      const double variance = noise.read_dn * noise.read_dn + light / noise.electrons_per_dn + 1.0 / 12;
-      information += slope * slope.transpose() / variance;
-    }
-  }
-  return std::sqrt(information.inverse()(0, 0));
-}
 
 }  // namespace adit::support

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kFindingsMax = 12;
 constexpr int kReacquiredWithin = 2;  // pairs
 
-const char* NameOf(stereo::LossReason reason) {
+const char* ReasonName(stereo::LossReason reason) {
   constexpr std::array<const char*, 7> kNames{"none",      "no frame",  "not seen", "no correspondence",
                                               "distances", "ambiguous", "geometry"};
   const auto i = static_cast<std::size_t>(reason);
@@ -60,7 +60,7 @@ void TargetCounter::Note(std::uint64_t trigger, const std::string& what, const s
        << episode_.GetWorld().GetScene().targets[own.target].target.name << ": " << what << std::fixed
        << std::setprecision(1) << " at " << own.epicenter_m.norm() << " m, LEDs " << ViewsOf(own);
   if (reported.status == stereo::FixStatus::kLost)
-    text << ", reason: " << NameOf(reported.reason);
+    text << ", reason: " << ReasonName(reported.reason);
   else
     text << ", off by " << judgement.error_m * 1e3 << " mm, stated "
          << std::sqrt(reported.epicenter_covariance_m2.trace()) * 1e3 << " mm, status "

@@ -78,6 +78,7 @@ void ReportWrong(const TargetTally& sum, SuiteReport& report) {
   report.AtMost("tracked, off by more than 5 sigma + 10 mm", static_cast<double>(sum.off_tracked), 0, "", 0);
   report.Inform("recovered, off by more", static_cast<double>(sum.off_recovered), "", 0);
   report.Inform("predicted, off by more", static_cast<double>(sum.off_predicted), "", 0);
+  report.Inform("of all these, in rendered images", static_cast<double>(sum.wrong_rendered), "", 0);
 }
 
 /// Every light of a tunnel but targets.

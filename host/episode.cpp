@@ -7,7 +7,7 @@ namespace {
 
 using base::Side;
 
-pipeline::Pipeline MakePipeline(const sim::Scene& scene, const std::vector<identify::Model>& models) {
+pipeline::Pipeline ReadyPipeline(const sim::Scene& scene, const std::vector<identify::Model>& models) {
   pipeline::PipelineOptions options;
   options.detector.read_noise_dn = scene.sensor.read_noise_dn;
   options.detector.electrons_per_dn = scene.sensor.electrons_per_dn;
@@ -20,7 +20,7 @@ pipeline::Pipeline MakePipeline(const sim::Scene& scene, const std::vector<ident
 
 Episode::Episode(sim::Scene scene, const std::vector<identify::Model>& models, Imaging imaging)
     : world_(std::make_unique<sim::World>(std::move(scene))),
-      pipeline_(MakePipeline(world_->GetScene(), models)),
+      pipeline_(ReadyPipeline(world_->GetScene(), models)),
       imaging_(imaging),
       centroids_(*world_),
       blobs_(std::make_unique<std::array<detect::BlobSet, 2>>()),

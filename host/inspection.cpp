@@ -10,7 +10,7 @@ namespace {
 using base::Side;
 using Why = RejectedSpot::Why;
 
-std::vector<base::Target> TargetsOf(const std::vector<identify::Model>& models) {
+std::vector<base::Target> ModelTargets(const std::vector<identify::Model>& models) {
   std::vector<base::Target> targets;
   for (const identify::Model& model : models) targets.push_back(model.target);
   return targets;
@@ -56,7 +56,7 @@ std::vector<RejectedSpot> FindRejected(const base::ImageView& image, const detec
 
 Inspector::Inspector(const optics::Rig& rig, const std::vector<identify::Model>& models,
                      pipeline::Pipeline pipeline)
-    : targets_(TargetsOf(models)), pipeline_(std::move(pipeline)), locator_(rig, targets_) {
+    : targets_(ModelTargets(models)), pipeline_(std::move(pipeline)), locator_(rig, targets_) {
   inspection_.blobs = std::make_unique<std::array<detect::BlobSet, 2>>();
   inspection_.result = std::make_unique<pipeline::PairResult>();
 }

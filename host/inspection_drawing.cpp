@@ -32,8 +32,8 @@ cv::Point Exact(const Vector2d& px, double scale = 1) {
   return {at(px.x()), at(px.y())};
 }
 
-void Write(cv::Mat& out, const std::string& text, cv::Point at, const cv::Scalar& colour,
-           double size = 0.55) {
+void PutText(cv::Mat& out, const std::string& text, cv::Point at, const cv::Scalar& colour,
+             double size = 0.55) {
   cv::putText(out, text, at, cv::FONT_HERSHEY_SIMPLEX, size, colour, 1, cv::LINE_AA);
 }
 
@@ -81,7 +81,7 @@ class Marks {
         cv::line(out, Exact(at_px - arm_px * Vector2d(1, slope), scale),
                  Exact(at_px + arm_px * Vector2d(1, slope), scale), kRed, 1, cv::LINE_AA, kShift);
       const cv::Point text = Exact(at_px + Vector2d(arm_px, -arm_px), scale) / (1 << kShift);
-      Write(out, kLetters[static_cast<std::size_t>(spot.why)], text, kRed, 0.4);
+      PutText(out, kLetters[static_cast<std::size_t>(spot.why)], text, kRed, 0.4);
     }
   }
 
@@ -98,7 +98,7 @@ class Marks {
     const Vector2d last_px = blobs[candidate.sighting.blobs[3]].raw_px - corner_px;
     cv::line(out, Exact(first_px, scale), Exact(last_px, scale), colour, 1, cv::LINE_AA, kShift);
     const cv::Point text = Exact(first_px, scale) / (1 << kShift) + cv::Point(-26, -10);
-    if (!candidate.taken) Write(out, "#" + std::to_string(k + 1), text, kOrange, 0.5);
+    if (!candidate.taken) PutText(out, "#" + std::to_string(k + 1), text, kOrange, 0.5);
   }
 
   /// Through the lens: a straight line of the ideal image, bent as the camera bends it.
@@ -132,8 +132,8 @@ class Marks {
       const cv::Point centre = Exact(at_px, scale);
       const int radius = (measured ? 9 : 12) << kShift;
       cv::circle(out, centre, radius, colour, measured ? 2 : 1, cv::LINE_AA, kShift);
-      Write(out, std::to_string(led + 1) + (measured ? "" : " rebuilt"),
-            centre / (1 << kShift) + cv::Point(8, -12), colour, 0.5);
+      PutText(out, std::to_string(led + 1) + (measured ? "" : " rebuilt"),
+              centre / (1 << kShift) + cv::Point(8, -12), colour, 0.5);
     }
   }
 
@@ -176,7 +176,7 @@ std::vector<std::string> LinesOf(const stereo::TargetPoints& target, const std::
   if (target.status == stereo::FixStatus::kLost) return {name + ": LOST", Explain(target.reason)};
   const Eigen::Vector3d sigma_m = target.epicenter_covariance_m2.diagonal().cwiseSqrt();
   place << "x " << target.epicenter_b_m.x() << "  y " << target.epicenter_b_m.y() << "  z "
-        << target.epicenter_b_m.z() << " m  +- " << std::setprecision(1) << 1e3 * sigma_m.x() << " / "
+        << target.epicenter_b_m.z() << " m  +- " << std::setprecision(2) << 1e3 * sigma_m.x() << " / "
         << 1e3 * sigma_m.y() << " / " << 1e3 * sigma_m.z() << " mm";
   more << std::fixed << std::setprecision(4) << "bar " << target.bar_m << " m, reprojection "
        << std::setprecision(3) << target.reprojection_px << " px";
@@ -198,7 +198,7 @@ cv::Mat DrawTargetRow(const std::array<cv::Mat, 2>& images, const Inspection& in
   cv::Mat all(kWordsHigh + kTile + kMargin, 2 * kTile + 3 * kMargin, CV_8UC3, kPanel);
   int y = kLine;
   for (const std::string& line : LinesOf(inspection.result->points.targets[target], order.names[target])) {
-    Write(all, line, {kMargin, y}, y == kLine ? ColourOf(target) : kWhite);
+    PutText(all, line, {kMargin, y}, y == kLine ? ColourOf(target) : kWhite);
     y += kLine;
   }
   for (const Side side : {Side::kLeft, Side::kRight}) {
@@ -208,7 +208,7 @@ cv::Mat DrawTargetRow(const std::array<cv::Mat, 2>& images, const Inspection& in
     part.setTo(cv::Scalar(20, 18, 16));
     const cv::Rect2d place = PlaceOf(inspection, order, target, side);
     if (place.empty()) {
-      Write(part, side == Side::kLeft ? "no candidate" : "not found", {kMargin, kTile / 2}, kGrey);
+      PutText(part, side == Side::kLeft ? "no candidate" : "not found", {kMargin, kTile / 2}, kGrey);
       continue;
     }
     const double scale = kTile / place.width;
@@ -219,7 +219,7 @@ cv::Mat DrawTargetRow(const std::array<cv::Mat, 2>& images, const Inspection& in
     std::ostringstream caption;
     caption << (side == Side::kLeft ? "left" : "right") << ", " << std::fixed << std::setprecision(1) << scale
             << " x";
-    Write(part, caption.str(), {8, kTile - 10}, kWhite, 0.45);
+    PutText(part, caption.str(), {8, kTile - 10}, kWhite, 0.45);
   }
   return all;
 }
@@ -228,7 +228,7 @@ cv::Mat DrawLegend(const Inspection& inspection, const DrawingOrder& order, int 
   cv::Mat panel(height_px, width_px, CV_8UC3, kPanel);
   int y = 0;
   const auto line = [&](const std::string& text, const cv::Scalar& colour) {
-    Write(panel, text, {kMargin, y += kLine}, colour);
+    PutText(panel, text, {kMargin, y += kLine}, colour);
   };
   line(order.title, kWhite);
   for (const std::size_t side : {0U, 1U}) {
@@ -270,7 +270,7 @@ cv::Mat DrawInspection(const ImagePair& pair, const Inspection& inspection, cons
     plain[i] = Brightened(pair.Frame(side).image);
     marked[i] = plain[i].clone();
     Marks(inspection, order, side).Draw(marked[i], Vector2d::Zero(), 1);
-    Write(marked[i], side == Side::kLeft ? "left" : "right", {kMargin, 2 * kLine}, kWhite, 1);
+    PutText(marked[i], side == Side::kLeft ? "left" : "right", {kMargin, 2 * kLine}, kWhite, 1);
   }
   cv::Mat images, panel;
   cv::hconcat(marked[0], marked[1], images);

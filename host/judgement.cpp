@@ -11,7 +11,7 @@ using base::kLedCount;
 using Eigen::Vector3d;
 using Leds = std::array<Vector3d, kLedCount>;
 
-double Apart(const Leds& a, const Leds& b) {
+double LedsApart(const Leds& a, const Leds& b) {
   double sum_m = 0;
   for (std::size_t i = 0; i < kLedCount; ++i) sum_m += (a[i] - b[i]).norm();
   return sum_m;
@@ -31,12 +31,12 @@ Judgement Judge(const stereo::TargetPoints& reported, const sim::TargetTruth& ow
   // Written so that NaN is off.
   judgement.verdict =
       judgement.error_m <= kOffSigmas * sigma_m + kOffFloorM ? Verdict::kFound : Verdict::kOff;
-  const double own_m = Apart(reported.leds_b_m, own.leds_m);
+  const double own_m = LedsApart(reported.leds_b_m, own.leds_m);
   Leds reversed = own.leds_m;
   std::reverse(reversed.begin(), reversed.end());
-  bool swapped = Apart(reported.leds_b_m, reversed) < own_m;
+  bool swapped = LedsApart(reported.leds_b_m, reversed) < own_m;
   for (const sim::TargetTruth& other : all)
-    swapped = swapped || Apart(reported.leds_b_m, other.leds_m) < own_m;
+    swapped = swapped || LedsApart(reported.leds_b_m, other.leds_m) < own_m;
   if (swapped) judgement.verdict = Verdict::kSwapped;
   return judgement;
 }

@@ -1,5 +1,6 @@
 #include "host/target_tally.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iomanip>
@@ -8,10 +9,11 @@
 namespace adit::host {
 namespace {
 
-constexpr std::size_t kFindingsMax = 12;
+constexpr std::size_t kFindingsMax = 12, kWrongMax = 3, kLostMax = 1;  // of a campaign, of an episode
+constexpr const char* kLostWord = "lost";
 constexpr int kReacquiredWithin = 2;  // pairs
 
-const char* NameOf(stereo::LossReason reason) {
+const char* ReasonName(stereo::LossReason reason) {
   constexpr std::array<const char*, 7> kNames{"none",      "no frame",  "not seen", "no correspondence",
                                               "distances", "ambiguous", "geometry"};
   const auto i = static_cast<std::size_t>(reason);
@@ -36,14 +38,17 @@ void AddFound(FoundOf& sum, const FoundOf& part) { sum.frames += part.frames, su
 void TargetTally::Add(const TargetTally& other) {
   target_frames += other.target_frames, rendered += other.rendered;
   swapped += other.swapped;
+  wrong_rendered += other.wrong_rendered;
   off_tracked += other.off_tracked, off_recovered += other.off_recovered,
       off_predicted += other.off_predicted;
   AddFound(any, other.any), AddFound(four, other.four), AddFound(three, other.three),
       AddFound(two_locked, other.two_locked);
   beyond_reacquisition += other.beyond_reacquisition;
-  for (const std::string& finding : other.findings) {
-    if (findings.size() < kFindingsMax) findings.push_back(finding);
-  }
+  // What is wrong stands before what is lost.
+  findings.insert(findings.end(), other.findings.begin(), other.findings.end());
+  std::stable_partition(findings.begin(), findings.end(),
+                        [](const std::string& text) { return text.find(kLostWord) == std::string::npos; });
+  if (findings.size() > kFindingsMax) findings.resize(kFindingsMax);
 }
 
 TargetCounter::TargetCounter(const Episode& episode, std::string label)
@@ -54,13 +59,14 @@ TargetCounter::TargetCounter(const Episode& episode, std::string label)
 
 void TargetCounter::Note(std::uint64_t trigger, const std::string& what, const stereo::TargetPoints& reported,
                          const sim::TargetTruth& own, const Judgement& judgement) {
-  if (tally_.findings.size() >= kFindingsMax) return;
+  std::size_t& noted = reported.status == stereo::FixStatus::kLost ? lost_noted_ : wrong_noted_;
+  if (++noted > (&noted == &lost_noted_ ? kLostMax : kWrongMax)) return;
   std::ostringstream text;
   text << label_ << " trigger " << trigger << " "
        << episode_.GetWorld().GetScene().targets[own.target].target.name << ": " << what << std::fixed
        << std::setprecision(1) << " at " << own.epicenter_m.norm() << " m, LEDs " << ViewsOf(own);
   if (reported.status == stereo::FixStatus::kLost)
-    text << ", reason: " << NameOf(reported.reason);
+    text << ", reason: " << ReasonName(reported.reason);
   else
     text << ", off by " << judgement.error_m * 1e3 << " mm, stated "
          << std::sqrt(reported.epicenter_covariance_m2.trace()) * 1e3 << " mm, status "
@@ -96,9 +102,7 @@ void TargetCounter::CountOne(std::uint64_t trigger, const stereo::TargetPoints& 
   if (visible == 4) count(tally_.four);
   if (visible == 3) count(tally_.three);
   if (visible == 2 && had_[own.target]) count(tally_.two_locked);
-  const bool starts = had_[own.target] || trigger == first_;
-  if (visible >= 3 && starts && judgement.verdict == Verdict::kLost)
-    Note(trigger, "lost", reported, own, judgement);
+  if (visible == 4 && judgement.verdict == Verdict::kLost) Note(trigger, kLostWord, reported, own, judgement);
   int& lost = lost_clear_[own.target];
   lost = visible == 4 && !measured ? lost + 1 : 0;
   if (lost == kReacquiredWithin + 1) ++tally_.beyond_reacquisition;
@@ -106,7 +110,6 @@ void TargetCounter::CountOne(std::uint64_t trigger, const stereo::TargetPoints& 
 }
 
 void TargetCounter::Count(std::uint64_t trigger, const pipeline::PairResult& result) {
-  if (tally_.target_frames == 0) first_ = trigger;
   const auto truths = episode_.GetWorld().TruthAt(trigger);
   for (const sim::TargetTruth& own : truths) {
     const stereo::TargetPoints& reported = result.fixes.targets[own.target].state.points;

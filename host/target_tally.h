@@ -26,12 +26,13 @@ struct TargetTally {
   std::size_t off_tracked = 0;    ///< reported as tracked
   std::size_t off_recovered = 0;  ///< with rebuilt LEDs
   std::size_t off_predicted = 0;
+  std::size_t wrong_rendered = 0;  ///< of all these, in rendered images
   /// By the number of LEDs that both cameras can measure: unoccluded and 2 px clear of anything else.
   FoundOf four, three;
   FoundOf any;                           ///< all target-frames, whatever can be seen
   FoundOf two_locked;                    ///< two such LEDs, and a position one frame before
   std::size_t beyond_reacquisition = 0;  ///< runs of lost frames with four such LEDs that are longer than two
-  std::vector<std::string> findings;     ///< the first wrong or lost ones
+  std::vector<std::string> findings;     ///< wrong ones, then ones lost with four clear LEDs
 
   void Add(const TargetTally& other);
 };
@@ -54,7 +55,7 @@ class TargetCounter {
   std::string label_;
   std::vector<bool> had_;        ///< a position in the frame before
   std::vector<int> lost_clear_;  ///< frames in a row that were lost with four clear LEDs
-  std::uint64_t first_ = 0;      ///< trigger
+  std::size_t wrong_noted_ = 0, lost_noted_ = 0;
   TargetTally tally_;
 };
 

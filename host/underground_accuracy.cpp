@@ -17,17 +17,17 @@ namespace {
 using base::Side;
 using Eigen::Vector3d;
 
-const char* Where(Imaging imaging) { return imaging == Imaging::kRendered ? "rendered" : "centroids"; }
+const char* HowImaged(Imaging imaging) { return imaging == Imaging::kRendered ? "rendered" : "centroids"; }
 
 /// One target at a distance; LED `hidden` (0 to 3) is hidden from `side` (2: from both).
-struct Placed {
+struct PlacedTarget {
   base::Target target;
   double distance_m;
   double speed_mps = 0;
   int hidden = -1, side = 2;
 };
 
-sim::Scene SceneOf(std::uint64_t seed, const Placed& placed) {
+sim::Scene PlacedScene(std::uint64_t seed, const PlacedTarget& placed) {
   Tunnel tunnel(seed, TunnelRig(9));
   Tunnel::Ride ride;
   ride.nearest_m = ride.farthest_m = placed.distance_m;
@@ -48,13 +48,13 @@ constexpr std::size_t kEllipsoidFrames = 40;
 
 EllipsoidTally CountEllipsoids(std::uint64_t seed, double distance_m, std::size_t piece) {
   sim::Random draw(seed, 0x656c6c);
-  Placed placed{TunnelTargets()[draw.Next() % 2], distance_m, 2};
+  PlacedTarget placed{TunnelTargets()[draw.Next() % 2], distance_m, 2};
   const bool recovered = piece % 2 == 1;
   if (recovered)
     placed.hidden = static_cast<int>(draw.Next() % 4), placed.side = static_cast<int>(draw.Next() % 3);
   // Every tenth pair of pieces, so that both kinds are rendered.
   const Imaging imaging = ImagingOf(piece / 2);
-  Episode episode(SceneOf(seed, placed), ModelsOf(TunnelTargets()), imaging);
+  Episode episode(PlacedScene(seed, placed), ModelsOf(TunnelTargets()), imaging);
   EllipsoidTally tally;
   for (std::size_t trigger = 0; trigger < kEllipsoidFrames; ++trigger) {
     const auto& points =
@@ -84,7 +84,7 @@ void ReportEllipsoids(const EllipsoidTally& sum, const std::string& at, SuiteRep
     report.AtMost("the same", share, 97, "%");
     for (const Imaging imaging : {Imaging::kCentroids, Imaging::kRendered}) {
       const auto how = static_cast<std::size_t>(imaging);
-      report.Inform(std::string("  of them ") + Where(imaging) + ", " + std::to_string(positions[how]),
+      report.Inform(std::string("  of them ") + HowImaged(imaging) + ", " + std::to_string(positions[how]),
                     pct(inside[how], positions[how]), "%");
     }
   }
@@ -123,7 +123,7 @@ double BoundZM2(const Episode& episode, std::size_t led) {
 
 StaticTally MeasurePiece(std::uint64_t seed, double distance_m, Imaging imaging) {
   const base::Target target = TunnelTargets()[1];  // its epicenter is the middle of the bar
-  sim::Scene scene = SceneOf(seed, {target, distance_m});
+  sim::Scene scene = PlacedScene(seed, {target, distance_m});
   scene.sensor.glare = 0;  // the bound knows of none
   Episode episode(std::move(scene), ModelsOf({target}), imaging);
   std::array<Spread, base::kLedCount> leds;
@@ -190,7 +190,7 @@ SuiteReport MeasureStatic(const CaseOrder& order) {
         if (ImagingOf(i) == imaging) sum.Add(tallies[d * each + i]);
       }
       const std::string at =
-          " at " + std::to_string(static_cast<int>(kDistancesM[d])) + " m, " + Where(imaging);
+          " at " + std::to_string(static_cast<int>(kDistancesM[d])) + " m, " + HowImaged(imaging);
       report.Inform("single LEDs' spread of z" + at, 1e3 * std::sqrt(sum.led_z_m2 / sum.freedom), "mm", 3);
       report.AtMost("that over the bound" + at, std::sqrt(sum.led_z_m2 / sum.bound_z_m2), 1.15, "", 3);
       report.AtLeast("single LEDs' over the epicenter's" + at, std::sqrt(sum.led_m2 / sum.epicenter_m2), 1.6,

@@ -14,13 +14,13 @@ namespace {
 
 constexpr std::size_t kBars = 15, kTogether = 5;
 constexpr double kDistanceM = 110, kNoisePx = 0.05;
-constexpr std::size_t kFrames = 20;
+constexpr std::size_t kFifteenFrames = 20;
 
 /// Places of the two inner LEDs of a bar of 1 m.
 using Inner = std::array<double, 2>;
 
 /// How far apart two bars are, the second perhaps read backwards.
-double Apart(const Inner& a, const Inner& b) {
+double LayoutsApart(const Inner& a, const Inner& b) {
   return std::min(std::hypot(a[0] - b[0], a[1] - b[1]), std::hypot(a[0] - (1 - b[1]), a[1] - (1 - b[0])));
 }
 
@@ -38,7 +38,7 @@ std::vector<base::Target> FifteenTargets() {
   taken.push_back(all.front());
   const auto alone = [&taken](const Inner& layout) {
     double nearest = 1;
-    for (const Inner& other : taken) nearest = std::min(nearest, Apart(layout, other));
+    for (const Inner& other : taken) nearest = std::min(nearest, LayoutsApart(layout, other));
     return nearest;
   };
   while (taken.size() < kBars) {
@@ -61,7 +61,7 @@ FifteenTally CountBars(std::uint64_t seed, const std::vector<base::Target>& targ
   Tunnel tunnel(seed, TunnelRig(9));
   Tunnel::Ride ride;
   ride.nearest_m = ride.farthest_m = kDistanceM;
-  ride.seconds = kFrames / 60.0;
+  ride.seconds = kFifteenFrames / 60.0;
   // The first of the models are those in view, so that the indices of scene and models agree.
   std::vector<base::Target> order = targets;
   std::rotate(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(piece % kBars), order.end());
@@ -71,7 +71,7 @@ FifteenTally CountBars(std::uint64_t seed, const std::vector<base::Target>& targ
   episode.Centroids().RunTogether(false);
   TargetCounter counter(episode, "piece " + std::to_string(piece));
   FifteenTally tally;
-  for (std::size_t trigger = 0; trigger < kFrames; ++trigger) {
+  for (std::size_t trigger = 0; trigger < kFifteenFrames; ++trigger) {
     const auto& result = episode.Expose(trigger);
     counter.Count(trigger, result);
     for (std::size_t i = kTogether; i < kBars; ++i)
@@ -85,7 +85,7 @@ FifteenTally CountBars(std::uint64_t seed, const std::vector<base::Target>& targ
 
 SuiteReport MeasureFifteen(const CaseOrder& order) {
   const auto targets = FifteenTargets();
-  const std::size_t pieces = std::max(kBars, order.CountOr(15'000) / (kTogether * kFrames));
+  const std::size_t pieces = std::max(kBars, order.CountOr(15'000) / (kTogether * kFifteenFrames));
   const auto tallies = WorkInParallel<FifteenTally>(
       "fifteen", pieces, [&](std::size_t i) { return CountBars(PieceSeed(order, i), targets, i); });
   FifteenTally sum;

@@ -62,6 +62,7 @@ Pipeline::Pipeline(const optics::Rig& rig, const std::vector<identify::Model>& m
       right_detector_(rig.right, options.detector),
       left_identifier_(models, IdentifierOptionsOf(rig.left)),
       locator_(rig, TargetsOf(models)),
+      tracker_(TargetsOf(models)),
       georeference_(options.georeference),
       windows_(options.windows),
       planner_(std::max(rig.left.fu_px, rig.left.fv_px)),

@@ -44,6 +44,8 @@ struct TargetPoints {
   Eigen::Matrix3d epicenter_covariance_m2 = Eigen::Matrix3d::Zero();
   Eigen::Vector3d direction_b = Eigen::Vector3d::Zero();           ///< unit, LED 1 to LED 4
   Eigen::Matrix3d direction_covariance = Eigen::Matrix3d::Zero();  ///< rank 2
+  /// Of the epicenter (rows) with the direction (columns): a tip beyond the LEDs goes where the bar turns.
+  Eigen::Matrix3d epicenter_direction_covariance_m = Eigen::Matrix3d::Zero();
   double bar_m = 0;  ///< measured distance LED 1 to LED 4, from the single LEDs
   double bar_sigma_m = 0;
   double reprojection_px = 0;          ///< rms over the rigid fit's image residuals

@@ -14,7 +14,8 @@ SEES = {
     # a stage sees optics and the record of the stage just before it
     "firmware/identify": ["firmware/optics", "firmware/detect/blob_set.h"],
     "firmware/stereo": ["firmware/optics", "firmware/identify/sighting_set.h"],
-    "firmware/track": ["firmware/optics", "firmware/stereo/point_set.h"],
+    # .. and the track says what it expects of the next pair
+    "firmware/track": ["firmware/optics", "firmware/stereo/point_set.h", "firmware/stereo/expectation.h"],
     "firmware/georef": ["firmware/optics", "firmware/track/target_state.h"],
     "firmware/publish": ["firmware/optics", "firmware/georef/geo_fix.h"],
     "firmware/config": [],

@@ -30,6 +30,8 @@ enum class LossReason : std::uint8_t {
   kDistances,         ///< the LEDs found are not the right distances apart
   kAmbiguous,         ///< several places pass equally well
   kGeometry,          ///< no stable solution: behind the cameras or not converged
+  kOneBar,            ///< a body of which one bar is seen: five degrees of freedom
+  kJump,              ///< not where the track allows it to be, and not yet seen there twice
 };
 
 /// One target of one pair. All in the rig frame b (the left camera), metres. Empty (zero) unless status says

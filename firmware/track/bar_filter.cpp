@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "firmware/track/white_acceleration.h"
+
 namespace adit::track {
 
 using Eigen::Vector2d;
@@ -17,25 +19,15 @@ constexpr double kNoiseMinM = 1e-6, kNoiseMinRad = 1e-6;
 constexpr double kSameWay = 0.5;
 
 // Where the parameters stand.
-constexpr int kPoint = 0, kVelocity = 3, kTheta = 6, kRate = 8;
+constexpr int kPoint = 0, kSpeed = 3, kAside = 6, kAsideRate = 8;
 
 /// Picks point and theta out of the state.
 using Picker = Eigen::Matrix<double, 5, 10>;
 Picker Measured() {
   Picker h = Picker::Zero();
   h.block<3, 3>(0, kPoint).setIdentity();
-  h.block<2, 2>(3, kTheta).setIdentity();
+  h.block<2, 2>(3, kAside).setIdentity();
   return h;
-}
-
-/// Adds the noise of `size` accelerations to the places at `first` and the rates at `second`.
-void AddNoise(BarFilter::Covariance& covariance, int first, int second, int size, double power, double dt_s) {
-  for (int i = 0; i < size; ++i) {
-    covariance(first + i, first + i) += power * dt_s * dt_s * dt_s / 3;
-    covariance(first + i, second + i) += power * dt_s * dt_s / 2;
-    covariance(second + i, first + i) += power * dt_s * dt_s / 2;
-    covariance(second + i, second + i) += power * dt_s;
-  }
 }
 
 }  // namespace
@@ -47,8 +39,8 @@ BarFilter::BarFilter(const MotionOptions& options, base::TimeNs exposure_ns, con
   basis_.col(2) = basis_.col(0).cross(basis_.col(1));
   const InnovationCovariance noise = NoiseOf(measured);
   covariance_ = Measured().transpose() * noise * Measured();
-  covariance_.diagonal().segment<3>(kVelocity).setConstant(options.speed_m_per_s * options.speed_m_per_s);
-  covariance_.diagonal().segment<2>(kRate).setConstant(options.rate_rad_per_s * options.rate_rad_per_s);
+  covariance_.diagonal().segment<3>(kSpeed).setConstant(options.speed_m_per_s * options.speed_m_per_s);
+  covariance_.diagonal().segment<2>(kAsideRate).setConstant(options.rate_rad_per_s * options.rate_rad_per_s);
 }
 
 void BarFilter::Advance(base::TimeNs exposure_ns) {
@@ -58,13 +50,8 @@ void BarFilter::Advance(base::TimeNs exposure_ns) {
   point_b_m_ += dt_s * velocity_m_per_s_;
   // Along a great circle the rate's components stay what they are in the basis that is carried along.
   Turn(dt_s * rate_rad_per_s_);
-  Covariance by_state = Covariance::Identity();
-  by_state.block<3, 3>(kPoint, kVelocity).diagonal().setConstant(dt_s);
-  by_state.block<2, 2>(kTheta, kRate).diagonal().setConstant(dt_s);
-  covariance_ = by_state * covariance_ * by_state.transpose();
-  const auto squared = [](double x) { return x * x; };
-  AddNoise(covariance_, kPoint, kVelocity, 3, squared(options_.acceleration_m_per_s2_per_sqrt_hz), dt_s);
-  AddNoise(covariance_, kTheta, kRate, 2, squared(options_.turning_rad_per_s2_per_sqrt_hz), dt_s);
+  CarryOver(covariance_, {kPoint, kSpeed, 3}, options_.acceleration_m_per_s2_per_sqrt_hz, dt_s);
+  CarryOver(covariance_, {kAside, kAsideRate, 2}, options_.turning_rad_per_s2_per_sqrt_hz, dt_s);
 }
 
 std::optional<BarFilter::Innovation> BarFilter::InnovationOf(const BarPlace& measured) const {
@@ -110,9 +97,9 @@ void BarFilter::Update(const BarPlace& measured) {
   const Eigen::Matrix<double, 10, 5> gain = s.ldlt().solve(h * covariance_).transpose();
   const Eigen::Matrix<double, 10, 1> step = gain * *innovation;
   point_b_m_ += step.segment<3>(kPoint);
-  velocity_m_per_s_ += step.segment<3>(kVelocity);
-  rate_rad_per_s_ += step.segment<2>(kRate);
-  Turn(step.segment<2>(kTheta));
+  velocity_m_per_s_ += step.segment<3>(kSpeed);
+  rate_rad_per_s_ += step.segment<2>(kAsideRate);
+  Turn(step.segment<2>(kAside));
   const Covariance left = Covariance::Identity() - gain * h;
   covariance_ = left * covariance_ * left.transpose() + gain * noise * gain.transpose();
   covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
@@ -134,7 +121,7 @@ BarPlace BarFilter::Place() const {
   BarPlace place{point_b_m_, basis_.col(0), {}};
   Eigen::Matrix<double, 6, 10> by_state = Eigen::Matrix<double, 6, 10>::Zero();
   by_state.block<3, 3>(0, kPoint).setIdentity();
-  by_state.block<3, 2>(3, kTheta) = Tangent();
+  by_state.block<3, 2>(3, kAside) = Tangent();
   place.covariance = by_state * covariance_ * by_state.transpose();
   return place;
 }

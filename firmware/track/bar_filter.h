@@ -12,8 +12,7 @@ namespace adit::track {
 
 /// The state is a point of the bar, its velocity, the bar's direction, and the direction's rate along a great
 /// circle: x = (p, v, theta, u), 10 parameters, theta and u in the tangent plane of the direction. Between
-/// measurements p' = p + v dt and theta' = theta + u dt; white accelerations of power q add
-/// q (dt^3/3, dt^2/2; dt^2/2, dt) to each pair (Bar-Shalom, Li, Kirubarajan 2001, 6.2.2). Direction errors
+/// measurements p' = p + v dt and theta' = theta + u dt, with white accelerations. Direction errors
 /// live in the tangent plane, carried along by the smallest rotation (an error-state filter); the covariance
 /// is updated in Joseph's form, P = (1 - K H) P (1 - K H)^T + K R K^T, which stays symmetric and positive.
 ///

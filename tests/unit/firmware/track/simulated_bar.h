@@ -29,6 +29,13 @@ class SimulatedBar {
     spin_rad_per_s_ -= direction_.dot(spin_rad_per_s_) * direction_;  // a bar's own axis turns nothing
   }
 
+  void Shift(const Eigen::Vector3d& by_m) { centre_m_ += by_m; }
+  void TurnRound() { direction_ = -direction_; }
+  void PlaceAt(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& direction) {
+    centre_m_ = centre_m;
+    direction_ = direction.normalized();
+  }
+
   /// White accelerations of these powers, for `duration_s`.
   void Move(double duration_s, double acceleration, double turning) {
     const int steps = static_cast<int>(std::ceil(duration_s / 0.001));

@@ -24,8 +24,8 @@ class Replay {
         blobs_(std::make_unique<std::array<detect::BlobSet, 2>>()),
         result_(std::make_unique<pipeline::PairResult>()) {
     track_.text = std::string(pipeline::TrackHeader()) + "\n";
-    track_.positions.resize(pipeline_.Models().size());
-    for (const identify::Model& model : pipeline_.Models()) track_.targets.push_back(model.target.name);
+    track_.positions.resize(pipeline_.Names().size());
+    track_.targets = pipeline_.Names();
   }
 
   void Feed(const ImagePair& pair) {
@@ -54,6 +54,11 @@ base::Result<pipeline::Pipeline> MakePipeline(const ReplayOrder& order, const op
   const auto models = LoadModels(order.models);
   if (!models) return models.error();
   pipeline::PipelineOptions options;
+  options.tracker.filter = order.filter;
+  auto bodies =
+      track::LoadBodies(order.bodies, pipeline::TargetsOf(*models), identify::kMaxTargets - models->size());
+  if (!bodies) return bodies.error();
+  options.tracker.bodies = std::move(*bodies);
   if (!order.georeference.empty()) {
     const auto orientation = georef::LoadOrientation(order.georeference, rig.calibration_id);
     if (!orientation) return orientation.error();

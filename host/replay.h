@@ -13,7 +13,9 @@ struct ReplayOrder {
   std::string recording;            ///< folder in EuRoC layout
   std::string rig;                  ///< file
   std::vector<std::string> models;  ///< files
+  std::vector<std::string> bodies;  ///< files
   std::string georeference;         ///< file; empty: the track is in the rig frame
+  bool filter = false;              ///< states are the filter's, bridged while a lock lasts
 };
 
 /// What became of a recording.
@@ -21,7 +23,7 @@ struct ReplayedTrack {
   std::string text;  ///< the track file: header and rows
   std::size_t pairs = 0;
   std::vector<std::string> targets;
-  std::vector<std::size_t> positions;  ///< of each target
+  std::vector<std::size_t> positions;  ///< of each target and body
 
   void PrintSummary(std::ostream& out) const;
 };

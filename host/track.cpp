@@ -38,8 +38,13 @@ void AddTrack(CLI::App& app, int& exit_code) {
       ->required()
       ->expected(1)
       ->take_all();
+  command->add_option("--body", order.bodies, "machine of two bars or more; several are allowed")
+      ->expected(1)
+      ->take_all();
   command->add_option("--georef", order.georeference,
                       "file of `adit georef`: positions are in the site frame, not in the rig's");
+  command->add_flag("--filter", order.filter,
+                    "smooth positions by a constant velocity filter and bridge short losses as predicted");
   command->add_option("--out", arguments->out, "track file to write")->required();
   command->callback([arguments, &exit_code] { exit_code = RunTrack(*arguments); });
 }

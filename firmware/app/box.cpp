@@ -42,21 +42,20 @@ board::CameraOrder OrderOf(const config::BoxConfig& config, base::Side side,
   return order;
 }
 
-/// Where the published targets stand in the model list.
+/// Where the published targets and bodies stand among `names`.
 base::Result<std::vector<std::size_t>> PublishedTargets(const config::BoxConfig& config,
-                                                        const std::vector<identify::Model>& models) {
+                                                        const std::vector<std::string>& names) {
   std::vector<std::size_t> targets;
   for (const std::string& name : config.publish.targets) {
-    const auto model = std::find_if(models.begin(), models.end(),
-                                    [&name](const identify::Model& m) { return m.target.name == name; });
-    if (model == models.end()) {
+    const auto place = std::find(names.begin(), names.end(), name);
+    if (place == names.end()) {
       return base::Error{base::ErrorCode::kOutOfRange, "publish.targets",
-                         "'" + name + "' is the name of no model"};
+                         "'" + name + "' is the name of no model or body"};
     }
-    targets.push_back(static_cast<std::size_t>(model - models.begin()));
+    targets.push_back(static_cast<std::size_t>(place - names.begin()));
   }
   if (targets.empty()) {
-    for (std::size_t i = 0; i < models.size(); ++i) targets.push_back(i);
+    for (std::size_t i = 0; i < names.size(); ++i) targets.push_back(i);
   }
   constexpr std::size_t kLastNode = 126;  // CiA 301 has nodes 1 to 127; each target takes two
   if (static_cast<std::size_t>(config.publish.can.node) + 2 * (targets.size() - 1) > kLastNode) {
@@ -125,11 +124,16 @@ base::Result<std::unique_ptr<Box>> Box::Make(const config::BoxConfig& config) {
     if (!model) return model.error();
     models.push_back(*model);
   }
-  const auto targets = PublishedTargets(config, models);
-  if (!targets) return targets.error();
   const auto georeference = LoadTie(config, *rig);
   if (!georeference) return georeference.error();
   pipeline::PipelineOptions options;
+  options.tracker.filter = config.track.filter;
+  std::vector<std::string> body_files;
+  for (const std::string& file : config.bodies) body_files.push_back(config.Resolve(file));
+  auto bodies =
+      track::LoadBodies(body_files, pipeline::TargetsOf(models), identify::kMaxTargets - models.size());
+  if (!bodies) return bodies.error();
+  options.tracker.bodies = std::move(*bodies);
   options.georeference = *georeference;
   const config::DetectorConfig& d = config.detector;
   options.detector = {d.area_min_px, d.area_max_px, d.elongation_max, d.read_noise_dn, d.electrons_per_dn};
@@ -137,6 +141,8 @@ base::Result<std::unique_ptr<Box>> Box::Make(const config::BoxConfig& config) {
   if (!pipeline) return pipeline.error();
   auto watch = MakeWatch(config, *rig, models);
   if (!watch) return watch.error();
+  const auto targets = PublishedTargets(config, pipeline->Names());
+  if (!targets) return targets.error();
   std::unique_ptr<Box> box(new Box(config, *rig, std::move(*pipeline)));
   if (*watch) box->pair_loop_->ShowTo(**watch);
   box->publisher_options_.watch = watch->get();
@@ -201,9 +207,8 @@ base::Result<void> Box::OpenOutputs() {
     modbus_ = std::move(*server);
   }
   if (!config_.track_log.empty()) {
-    std::vector<std::string> names;
-    for (const identify::Model& model : pipeline_.Models()) names.push_back(model.target.name);
-    if (auto open = track_log_.Open(config_.Resolve(config_.track_log), names); !open) return open.error();
+    if (auto open = track_log_.Open(config_.Resolve(config_.track_log), pipeline_.Names()); !open)
+      return open.error();
   }
   return {};
 }

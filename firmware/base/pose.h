@@ -14,6 +14,7 @@ struct LeftCamera {};   ///< l
 struct RightCamera {};  ///< r
 struct Rig {};          ///< b, the left camera's frame
 struct TargetFrame {};  ///< t, origin LED 1, x along the bar to LED 4
+struct BodyFrame {};    ///< t of a body: x forward, y left, z up, origin as its file says
 struct Site {};         ///< s, easting, northing, height
 
 /// Rigid motion T_to_from: maps a point given in `From` to the same point given in `To`; metres.

@@ -37,6 +37,10 @@ struct DetectorConfig {
   double electrons_per_dn = 40;
 };
 
+struct TrackConfig {
+  bool filter = false;
+};
+
 struct CanConfig {
   std::string driver = "none";
   std::string interface_name = "can0";
@@ -58,7 +62,7 @@ struct DtrackConfig {
 };
 
 struct PublishConfig {
-  std::vector<std::string> targets;  ///< in the order of nodes and structs; empty: all models
+  std::vector<std::string> targets;  ///< in the order of nodes; empty: all models and bodies
   std::vector<double> site_origin_m{0, 0, 0};
   double sigma_limit_mm = 20;
   double age_limit_ms = 100;
@@ -86,9 +90,11 @@ struct BoxConfig {
   bool simulation = false;
   std::string rig;
   std::vector<std::string> models;
+  std::vector<std::string> bodies;
   std::string georeference;  ///< file; empty: positions go out in the rig frame, with the fault bit
   CamerasConfig cameras;
   DetectorConfig detector;
+  TrackConfig track;
   PublishConfig publish;
   WatchConfig watch;
   RealtimeConfig realtime;

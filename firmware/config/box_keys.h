@@ -42,7 +42,8 @@ void DescribeCameras(CamerasConfig& c, Visitor& v) {
 template <class Visitor>
 void DescribePublish(PublishConfig& p, Visitor& v) {
   v.Enter("publish");
-  v.Texts("targets", p.targets, {"", "targets to publish, in the order of their nodes; empty: all models"});
+  v.Texts("targets", p.targets,
+          {"", "targets and bodies to publish, in the order of their nodes; empty: all"});
   v.Numbers("site_origin_m", p.site_origin_m, 3, {-1e8, 1e8},
             {"m", "E0, N0, H0: whole metres; positions go out as differences from it"});
   v.Number("sigma_limit_mm", p.sigma_limit_mm, {0.1, 1000}, {"mm", "above it a position is DEGRADED"});
@@ -77,6 +78,8 @@ void DescribeBox(BoxConfig& c, Visitor& v) {
          {"", "everything is published as SIMULATED and must never move a machine"});
   v.Required("rig", c.rig, {"", "the rig's calibration (Kalibr camchain)"});
   v.RequiredTexts("models", c.models, {"", "the trained targets"});
+  v.Texts("bodies", c.bodies,
+          {"", "machines of two bars or more, published with heading, pitch and roll after the models"});
   v.Text("georeference", c.georeference,
          {"", "the rig in the site grid (adit georef); empty: positions are in the rig frame"});
   DescribeCameras(c.cameras, v);
@@ -87,6 +90,10 @@ void DescribeBox(BoxConfig& c, Visitor& v) {
   v.Number("read_noise_dn", c.detector.read_noise_dn, {0.01, 50}, {"DN", "of a dark pixel, at 8 bit"});
   v.Number("electrons_per_dn", c.detector.electrons_per_dn, {0.1, 1e5},
            {"e-/DN", "conversion gain, at 8 bit"});
+  v.Leave();
+  v.Enter("track");
+  v.Flag("filter", c.track.filter,
+         {"", "smooth positions by a constant velocity filter; short losses are bridged and DEGRADED"});
   v.Leave();
   DescribePublish(c.publish, v);
   v.Enter("watch");

@@ -3,12 +3,18 @@
 namespace adit::georef {
 namespace {
 
-void PutOnGrid(const AbsoluteOrientation& orientation, const stereo::TargetPoints& points, GeoFix& fix) {
+void PutOnGrid(const AbsoluteOrientation& orientation, const track::TargetState& state, GeoFix& fix) {
+  const stereo::TargetPoints& points = state.points;
   fix.position_s_m = orientation.Apply(points.epicenter_b_m);
   fix.covariance_s_m2 = orientation.Propagate(points.epicenter_b_m, points.epicenter_covariance_m2);
   fix.direction_s = orientation.Turn(points.direction_b);
   for (std::size_t i = 0; i < fix.leds_s_m.size(); ++i)
     fix.leds_s_m[i] = orientation.Apply(points.leds_b_m[i]);
+  if (!state.pose) return;
+  Eigen::Matrix3d R_s_t;
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    R_s_t.col(axis) = orientation.Turn(state.pose->T_b_t.rotation.col(axis));
+  fix.attitude = AttitudeOf(R_s_t);
 }
 
 /// As measured, to the last bit.
@@ -28,7 +34,7 @@ void Georeference::Apply(const track::TargetStateSet& states, GeoFixSet& out) co
     GeoFix fix;
     fix.state = state;
     const bool has_place = state.points.status != stereo::FixStatus::kLost;
-    if (has_place && orientation_) PutOnGrid(*orientation_, state.points, fix);
+    if (has_place && orientation_) PutOnGrid(*orientation_, state, fix);
     if (has_place && !orientation_) LeaveInRigFrame(state.points, fix);
     out.targets.push_back(fix);
   }

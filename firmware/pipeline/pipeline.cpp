@@ -26,21 +26,30 @@ bool LookAlike(const base::Target& a, const base::Target& b) {
   return forward || backward;
 }
 
+std::vector<std::string> NamesOf(const std::vector<identify::Model>& models,
+                                 const std::vector<track::Body>& bodies) {
+  std::vector<std::string> names;
+  for (const identify::Model& model : models) names.push_back(model.target.name);
+  for (const track::Body& body : bodies) names.push_back(body.name);
+  return names;
+}
+
+}  // namespace
+
 std::vector<base::Target> TargetsOf(const std::vector<identify::Model>& models) {
   std::vector<base::Target> targets;
   for (const identify::Model& model : models) targets.push_back(model.target);
   return targets;
 }
 
-}  // namespace
-
 base::Result<Pipeline> Pipeline::Make(const optics::Rig& rig, const std::vector<identify::Model>& models,
                                       const PipelineOptions& options) {
   const auto refusal = [](std::string detail) {
     return base::Error{base::ErrorCode::kOutOfRange, "models", std::move(detail)};
   };
-  if (models.empty() || models.size() > identify::kMaxTargets) {
-    return refusal("there are " + std::to_string(models.size()) + "; from 1 to " +
+  const std::size_t count = models.size() + options.tracker.bodies.size();
+  if (models.empty() || count > identify::kMaxTargets) {
+    return refusal("there are " + std::to_string(count) + " with the bodies; from 1 to " +
                    std::to_string(identify::kMaxTargets) + " are allowed");
   }
   for (std::size_t i = 0; i < models.size(); ++i) {
@@ -57,11 +66,12 @@ base::Result<Pipeline> Pipeline::Make(const optics::Rig& rig, const std::vector<
 
 Pipeline::Pipeline(const optics::Rig& rig, const std::vector<identify::Model>& models,
                    const PipelineOptions& options)
-    : models_(models),
+    : names_(NamesOf(models, options.tracker.bodies)),
       left_detector_(rig.left, options.detector),
       right_detector_(rig.right, options.detector),
       left_identifier_(models, IdentifierOptionsOf(rig.left)),
       locator_(rig, TargetsOf(models)),
+      tracker_(TargetsOf(models), options.tracker),
       georeference_(options.georeference),
       windows_(options.windows),
       planner_(std::max(rig.left.fu_px, rig.left.fv_px)),
@@ -78,8 +88,8 @@ void Pipeline::Locate(const detect::BlobSet& left, const detect::BlobSet& right,
   result.right.blob_set = &right;
   result.right.sightings.clear();
   locator_.Locate(result.left, result.right, result.points);
-  if (windows_) plan_->Store(planner_.Next(result.points));
   tracker_.Track(result.points, result.states);
+  if (windows_) plan_->Store(planner_.Next(result.points, result.states));
   georeference_.Apply(result.states, result.fixes);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "firmware/base/latest.h"
@@ -20,6 +21,7 @@ namespace adit::pipeline {
 struct PipelineOptions {
   detect::DetectorOptions detector;
   bool windows = true;  ///< search around the targets that are followed, and all over now and then
+  track::TrackerOptions tracker = {};
   georef::Georeference georeference = {};  ///< by default none: the site frame is the rig frame
 };
 
@@ -31,10 +33,14 @@ struct PairResult {
   georef::GeoFixSet fixes;
 };
 
+/// The targets of the models, in their order.
+std::vector<base::Target> TargetsOf(const std::vector<identify::Model>& models);
+
 /// The chain of the stages. Detect may run in one thread per side at once; Locate in one other thread.
 class Pipeline {
  public:
-  /// Refuses no models, too many, two of one name, or two whose LED gaps are the same within 0.5 %.
+  /// Refuses no models, too many (with the bodies), two of one name, or two whose LED gaps are the same
+  /// within 0.5 %.
   static base::Result<Pipeline> Make(const optics::Rig& rig, const std::vector<identify::Model>& models,
                                      const PipelineOptions& options);
 
@@ -44,13 +50,14 @@ class Pipeline {
   /// Blobs of one pair -> fixes. `left` and `right` must outlive `result`.
   void Locate(const detect::BlobSet& left, const detect::BlobSet& right, PairResult& result);
 
-  const std::vector<identify::Model>& Models() const { return models_; }
+  /// Whom the fixes are of, in their order: the targets, then the bodies.
+  const std::vector<std::string>& Names() const { return names_; }
 
  private:
   Pipeline(const optics::Rig& rig, const std::vector<identify::Model>& models,
            const PipelineOptions& options);
 
-  std::vector<identify::Model> models_;
+  std::vector<std::string> names_;
   detect::Detector left_detector_, right_detector_;
   identify::Identifier left_identifier_;
   stereo::Locator locator_;

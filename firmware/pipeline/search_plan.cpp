@@ -81,7 +81,7 @@ bool SearchPlanner::Follow(const stereo::PointSet& points, const stereo::TargetP
   return known && room;
 }
 
-const SearchPlan& SearchPlanner::Next(const stereo::PointSet& points) {
+const SearchPlan& SearchPlanner::Next(const stereo::PointSet& points, const track::TargetStateSet& states) {
   const bool was_whole = points.left->blob_set->whole && points.right->blob_set->whole;
   pairs_since_whole_ = was_whole ? 0 : pairs_since_whole_ + 1;
   plan_.seen_ns = points.stamp.mid_exposure_ns;
@@ -89,7 +89,8 @@ const SearchPlan& SearchPlanner::Next(const stereo::PointSet& points) {
   std::size_t followed = 0;
   bool lost = false, entered = false;
   for (const stereo::TargetPoints& target : points.targets) {
-    if (target.status == stereo::FixStatus::kTracked) {
+    const bool believed = states.targets[target.target].points.reason != stereo::LossReason::kJump;
+    if (target.status == stereo::FixStatus::kTracked && believed) {
       const bool follows = Follow(points, target);
       followed += follows ? 1 : 0;
       entered = entered || !follows;

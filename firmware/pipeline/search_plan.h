@@ -8,6 +8,7 @@
 #include "firmware/base/image.h"
 #include "firmware/detect/window.h"
 #include "firmware/stereo/point_set.h"
+#include "firmware/track/target_state.h"
 
 namespace adit::pipeline {
 
@@ -38,8 +39,9 @@ class SearchPlanner {
  public:
   explicit SearchPlanner(double focal_px) : focal_px_(static_cast<float>(focal_px)) {}
 
-  /// `points` of a pair, its blob sets reached through it.
-  const SearchPlan& Next(const stereo::PointSet& points);
+  /// `points` of a pair, its blob sets reached through it, and what the tracking made of them: where nobody
+  /// believes a target to be it is not followed.
+  const SearchPlan& Next(const stereo::PointSet& points, const track::TargetStateSet& states);
 
  private:
   /// The LEDs of one target in the last pair that showed it.

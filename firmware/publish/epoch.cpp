@@ -5,7 +5,7 @@
 namespace adit::publish {
 namespace {
 
-// Copies position and sigmas into `epoch` if they can be told at all.
+// Copies position, sigmas and attitude into `epoch` if they can be told at all.
 bool TakePosition(const georef::GeoFix& fix, const EpochRules& rules, Epoch& epoch) {
   const Eigen::Matrix3d& covariance = fix.covariance_s_m2;
   const double horizontal_m = std::sqrt(covariance(0, 0) + covariance(1, 1));
@@ -16,6 +16,11 @@ bool TakePosition(const georef::GeoFix& fix, const EpochRules& rules, Epoch& epo
   epoch.position_s_m = {fix.position_s_m.x(), fix.position_s_m.y(), fix.position_s_m.z()};
   epoch.sigma_horizontal_m = horizontal_m;
   epoch.sigma_vertical_m = vertical_m;
+  if (fix.attitude) {
+    epoch.heading_rad = fix.attitude->heading_rad;
+    epoch.pitch_rad = fix.attitude->pitch_rad;
+    epoch.roll_rad = fix.attitude->roll_rad;
+  }
   epoch.sigma_ok = horizontal_m <= rules.sigma_limit_m && vertical_m <= rules.sigma_limit_m;
   return true;
 }

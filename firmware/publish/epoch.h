@@ -103,7 +103,7 @@ struct Epoch {
   std::optional<std::array<double, 3>> position_s_m;  ///< E, N, H in full
   std::optional<double> sigma_horizontal_m;           ///< sqrt(sE^2 + sN^2), Helmert's point error
   std::optional<double> sigma_vertical_m;
-  std::optional<double> heading_rad, pitch_rad, roll_rad;  ///< absent until a body of two bars defines them
+  std::optional<double> heading_rad, pitch_rad, roll_rad;  ///< of a body on the site grid (georef::Attitude)
 };
 
 /// Judges a fix. In order: a fault of kFaultsThatStop, no fix, a lost or old one (older than the limit, or

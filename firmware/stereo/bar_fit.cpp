@@ -26,6 +26,13 @@ Tangent TangentOf(const Vector3d& direction) {
   return tangent;
 }
 
+/// Of the point `offset_m` from the centre by centre and direction.
+Eigen::Matrix<double, 3, 5> PointSlope(const Tangent& tangent, double offset_m) {
+  Eigen::Matrix<double, 3, 5> slope;
+  slope << Eigen::Matrix3d::Identity(), offset_m * tangent;
+  return slope;
+}
+
 /// Sixteen whitened reprojection residuals of a bar.
 struct BarProblem {
   static constexpr int kParameters = 5, kResiduals = 4 * kLedCount;
@@ -80,9 +87,13 @@ Vector3d BarFit::PointM(const base::Target& target, double place_m) const {
 }
 
 Eigen::Matrix3d BarFit::PointCovarianceM2(const base::Target& target, double place_m) const {
-  Eigen::Matrix<double, 3, 5> by_parameters;
-  by_parameters << Eigen::Matrix3d::Identity(), (place_m - MeanPlaceM(target)) * tangent;
+  const auto by_parameters = PointSlope(tangent, place_m - MeanPlaceM(target));
   return by_parameters * covariance * by_parameters.transpose();
+}
+
+Eigen::Matrix3d BarFit::PointDirectionCovarianceM(const base::Target& target, double place_m) const {
+  const auto by_parameters = PointSlope(tangent, place_m - MeanPlaceM(target));
+  return by_parameters * covariance.rightCols<2>() * tangent.transpose();
 }
 
 Eigen::Matrix3d BarFit::DirectionCovariance() const {

@@ -34,6 +34,8 @@ struct BarFit {
   Eigen::Matrix3d PointCovarianceM2(const base::Target& target, double place_m) const;
   /// Rank 2: a unit vector moves in its tangent plane only.
   Eigen::Matrix3d DirectionCovariance() const;
+  /// Of that point (rows) with the direction (columns).
+  Eigen::Matrix3d PointDirectionCovarianceM(const base::Target& target, double place_m) const;
 };
 
 /// Fits the rigid bar to the 16 coordinates, weighted by the centroids' covariances: 5 parameters,

@@ -54,6 +54,8 @@ LossReason Farther(LossReason a, LossReason b) {
         return 1;
       case LossReason::kNotSeen:
       case LossReason::kNoFrame:
+      case LossReason::kOneBar:
+      case LossReason::kJump:
         return 0;
     }
     return 0;

@@ -30,6 +30,8 @@ enum class LossReason : std::uint8_t {
   kDistances,         ///< the LEDs found are not the right distances apart
   kAmbiguous,         ///< several places pass equally well
   kGeometry,          ///< no stable solution: behind the cameras or not converged
+  kOneBar,            ///< a body of which one bar is seen: five degrees of freedom
+  kJump,              ///< not where the track allows it to be, and not yet seen there twice
 };
 
 /// One target of one pair. All in the rig frame b (the left camera), metres. Empty (zero) unless status says
@@ -44,6 +46,8 @@ struct TargetPoints {
   Eigen::Matrix3d epicenter_covariance_m2 = Eigen::Matrix3d::Zero();
   Eigen::Vector3d direction_b = Eigen::Vector3d::Zero();           ///< unit, LED 1 to LED 4
   Eigen::Matrix3d direction_covariance = Eigen::Matrix3d::Zero();  ///< rank 2
+  /// Of the epicenter (rows) with the direction (columns): a tip beyond the LEDs goes where the bar turns.
+  Eigen::Matrix3d epicenter_direction_covariance_m = Eigen::Matrix3d::Zero();
   double bar_m = 0;  ///< measured distance LED 1 to LED 4, from the single LEDs
   double bar_sigma_m = 0;
   double reprojection_px = 0;          ///< rms over the rigid fit's image residuals

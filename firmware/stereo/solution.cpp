@@ -19,6 +19,7 @@ void FillFromFit(const base::Target& target, const BarFit& fit, TargetPoints& ou
   out.epicenter_covariance_m2 = fit.PointCovarianceM2(target, target.epicenter_m);
   out.direction_b = fit.bar.direction_b;
   out.direction_covariance = fit.DirectionCovariance();
+  out.epicenter_direction_covariance_m = fit.PointDirectionCovarianceM(target, target.epicenter_m);
   // Two coordinates make one distance in the image: rms over the eight centroids' distances' components.
   out.reprojection_px =
       std::sqrt(fit.residuals_px.squaredNorm() / static_cast<double>(fit.residuals_px.size()));

@@ -16,7 +16,8 @@ SEES = {
     "firmware/stereo": ["firmware/optics", "firmware/identify/sighting_set.h"],
     # no stage: nothing comes after it. It reads stereo's records and repeats its fit, so it sees all of stereo
     "firmware/watch": ["firmware/optics", "firmware/stereo"],
-    "firmware/track": ["firmware/optics", "firmware/stereo/point_set.h"],
+    # .. and the track says what it expects of the next pair
+    "firmware/track": ["firmware/optics", "firmware/stereo/point_set.h", "firmware/stereo/expectation.h"],
     "firmware/georef": ["firmware/optics", "firmware/track/target_state.h"],
     "firmware/publish": ["firmware/optics", "firmware/georef/geo_fix.h"],
     "firmware/config": [],

@@ -94,3 +94,20 @@ TEST(Georeference, ForgetsThePairBefore) {
   georeference.Apply(adit::track::TargetStateSet{}, fixes);
   LONGS_EQUAL(0, fixes.targets.size());
 }
+
+TEST(Georeference, ABodyHasAnAttitudeOnTheGridAndNoneInTheRigFrame) {
+  auto states = OneTarget(FixStatus::kTracked);
+  // It drives away from the rig, level: forward is the rig's z, left its -x, up its -y.
+  adit::track::BodyPose pose;
+  pose.T_b_t.rotation << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  states.targets[0].pose = pose;
+  Georeference(LookingNorth()).Apply(states, fixes);
+  CHECK(fixes.targets[0].attitude.has_value());
+  DOUBLES_EQUAL(0, fixes.targets[0].attitude->heading_rad, 1e-12);
+  DOUBLES_EQUAL(0, fixes.targets[0].attitude->pitch_rad, 1e-12);
+  DOUBLES_EQUAL(0, fixes.targets[0].attitude->roll_rad, 1e-12);
+  Georeference().Apply(states, fixes);
+  CHECK_FALSE(fixes.targets[0].attitude.has_value());
+  Georeference(LookingNorth()).Apply(OneTarget(FixStatus::kTracked), fixes);
+  CHECK_FALSE(fixes.targets[0].attitude.has_value());
+}

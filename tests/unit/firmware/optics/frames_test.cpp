@@ -1,15 +1,15 @@
 // Every number of firmware/FRAMES.md, recomputed from those it says they follow from.
-#include <fstream>
 #include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "firmware/base/pose.h"
 #include "firmware/optics/camera_model.h"
+#include "tests/support/frames_page.h"
 
 #include <CppUTest/TestHarness.h>
 
+using adit::base::BodyFrame;
 using adit::base::LeftCamera;
 using adit::base::Pose;
 using adit::base::RightCamera;
@@ -23,24 +23,10 @@ namespace {
 constexpr double kExactM = 1e-12;    // the example's products are exact but for rounding
 constexpr double kPrintedPx = 5e-7;  // the page gives six decimals of a pixel
 
-/// The lines `name = numbers` of the page.
-std::map<std::string, std::vector<double>> ReadPage() {
-  std::map<std::string, std::vector<double>> numbers;
-  std::ifstream page("firmware/FRAMES.md");
-  for (std::string line; std::getline(page, line);) {
-    std::istringstream text(line);
-    std::string name, equals;
-    double number = 0;
-    if (!(text >> name >> equals) || equals != "=") continue;
-    while (text >> number) numbers[name].push_back(number);
-  }
-  return numbers;
-}
-
 }  // namespace
 
 TEST_GROUP(Frames) {
-  std::map<std::string, std::vector<double>> page = ReadPage();
+  std::map<std::string, std::vector<double>> page = adit::tests::ReadFramesPage();
 
   std::vector<double> Numbers(const std::string& name, std::size_t count) {
     LONGS_EQUAL_TEXT(count, page[name].size(), name.c_str());
@@ -77,7 +63,7 @@ TEST_GROUP(Frames) {
 };
 
 TEST(Frames, AllPosesAreRotationsOfRightHandedFrames) {
-  for (const char* name : {"T_r_l", "T_b_t", "T_s_b"}) {
+  for (const char* name : {"T_r_l", "T_b_t", "T_s_b", "T_b_body"}) {
     const auto pose = ReadPose<Site, RigFrame>(name);
     CHECK_TRUE(pose.rotation.isUnitary(kExactM));
     DOUBLES_EQUAL(1, pose.rotation.determinant(), kExactM);
@@ -109,4 +95,13 @@ TEST(Frames, TheSiteGridHasThePointsOfThePage) {
   CheckSame(Point("led1_in_s"), T_s_b * Point("led1_in_l"));
   const auto T_s_t = T_s_b * ReadPose<RigFrame, TargetFrame>("T_b_t");
   CheckSame(Point("epicenter_in_s"), T_s_t * Point("epicenter_in_t"));
+}
+
+TEST(Frames, TheBodyStandsOnTheGridAndCarriesItsBarAsThePageSays) {
+  const auto T_b_t = ReadPose<RigFrame, BodyFrame>("T_b_body");
+  CheckSame(Point("bar_led1_in_b"), T_b_t * Point("bar_led1_in_body"));
+  const auto T_s_t = ReadPose<Site, RigFrame>("T_s_b") * T_b_t;
+  const auto expected = ReadPose<Site, BodyFrame>("T_s_body");
+  CheckSame(expected.translation_m, T_s_t.translation_m);
+  for (int axis = 0; axis < 3; ++axis) CheckSame(expected.rotation.col(axis), T_s_t.rotation.col(axis));
 }

@@ -60,6 +60,18 @@ TEST(Epoch, ACalibrationInDoubtDegradesAndKeepsThePosition) {
   LONGS_EQUAL(1 << 6, epoch.faults);
 }
 
+TEST(Epoch, ABodysAttitudeGoesWithItsPosition) {
+  georef::GeoFix fix = TrackedFix();
+  CHECK_FALSE(Make(fix).heading_rad.has_value());  // a bar has none
+  fix.attitude = georef::Attitude{1.5, -0.1, 0.2};
+  const Epoch epoch = Make(fix);
+  DOUBLES_EQUAL(1.5, *epoch.heading_rad, 0);
+  DOUBLES_EQUAL(-0.1, *epoch.pitch_rad, 0);
+  DOUBLES_EQUAL(0.2, *epoch.roll_rad, 0);
+  CHECK_FALSE(Make(fix, GoodBox(), {}, kSoonNs + base::kNsPerS).heading_rad.has_value());
+  CHECK_FALSE(AsOf(epoch, kSoonNs + base::kNsPerS).roll_rad.has_value());
+}
+
 TEST(Epoch, SigmaAboveItsLimitDegradesInEitherDirection) {
   georef::GeoFix horizontal = TrackedFix();
   horizontal.covariance_s_m2(0, 0) = 0.0201 * 0.0201;

@@ -3,6 +3,7 @@
 #include <CppUTest/TestHarness.h>
 
 using adit::base::kNever;
+using adit::base::Target;
 using adit::base::TimeNs;
 using adit::stereo::FixStatus;
 using adit::stereo::PointSet;
@@ -10,6 +11,8 @@ using adit::track::TargetStateSet;
 using adit::track::Tracker;
 
 namespace {
+
+Target BarOf(const char* name) { return {name, {0, 0.25, 0.65, 1.5}, -0.5, 0.04}; }
 
 PointSet PairAt(TimeNs mid_exposure_ns, FixStatus first, FixStatus second) {
   PointSet points;
@@ -29,7 +32,7 @@ PointSet PairAt(TimeNs mid_exposure_ns, FixStatus first, FixStatus second) {
 }  // namespace
 
 TEST_GROUP(Tracker) {
-  Tracker tracker;
+  Tracker tracker{{BarOf("A"), BarOf("B")}};
   TargetStateSet states;
 };
 

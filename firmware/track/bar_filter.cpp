@@ -1,0 +1,129 @@
+#include "firmware/track/bar_filter.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "firmware/track/white_acceleration.h"
+
+namespace adit::track {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+namespace {
+
+// Below what any camera resolves; keeps covariances invertible that claim to know everything.
+constexpr double kNoiseMinM = 1e-6, kNoiseMinRad = 1e-6;
+// cos 60 degrees: where a tangent plane says little about the direction.
+constexpr double kSameWay = 0.5;
+
+// Where the parameters stand.
+constexpr int kPoint = 0, kSpeed = 3, kAside = 6, kAsideRate = 8;
+
+/// Picks point and theta out of the state.
+using Picker = Eigen::Matrix<double, 5, 10>;
+Picker Measured() {
+  Picker h = Picker::Zero();
+  h.block<3, 3>(0, kPoint).setIdentity();
+  h.block<2, 2>(3, kAside).setIdentity();
+  return h;
+}
+
+}  // namespace
+
+BarFilter::BarFilter(const MotionOptions& options, base::TimeNs exposure_ns, const BarPlace& measured)
+    : options_(options), exposure_ns_(exposure_ns), point_b_m_(measured.point_b_m) {
+  basis_.col(0) = measured.direction_b.normalized();
+  basis_.col(1) = basis_.col(0).unitOrthogonal();
+  basis_.col(2) = basis_.col(0).cross(basis_.col(1));
+  const InnovationCovariance noise = NoiseOf(measured);
+  covariance_ = Measured().transpose() * noise * Measured();
+  covariance_.diagonal().segment<3>(kSpeed).setConstant(options.speed_m_per_s * options.speed_m_per_s);
+  covariance_.diagonal().segment<2>(kAsideRate).setConstant(options.rate_rad_per_s * options.rate_rad_per_s);
+}
+
+void BarFilter::Advance(base::TimeNs exposure_ns) {
+  if (exposure_ns <= exposure_ns_) return;
+  const double dt_s = static_cast<double>(exposure_ns - exposure_ns_) / static_cast<double>(base::kNsPerS);
+  exposure_ns_ = exposure_ns;
+  point_b_m_ += dt_s * velocity_m_per_s_;
+  // Along a great circle the rate's components stay what they are in the basis that is carried along.
+  Turn(dt_s * rate_rad_per_s_);
+  CarryOver(covariance_, {kPoint, kSpeed, 3}, options_.acceleration_m_per_s2_per_sqrt_hz, dt_s);
+  CarryOver(covariance_, {kAside, kAsideRate, 2}, options_.turning_rad_per_s2_per_sqrt_hz, dt_s);
+}
+
+std::optional<BarFilter::Innovation> BarFilter::InnovationOf(const BarPlace& measured) const {
+  const double cosine = basis_.col(0).dot(measured.direction_b);
+  // Written so that NaN does not pass.
+  if (!(cosine > kSameWay) || !measured.point_b_m.allFinite() || !measured.covariance.allFinite())
+    return std::nullopt;
+  const Vector2d sine = Tangent().transpose() * measured.direction_b;
+  const double angle_rad = std::atan2(sine.norm(), cosine);
+  Innovation innovation;
+  innovation.head<3>() = measured.point_b_m - point_b_m_;
+  innovation.tail<2>() = sine.norm() > 0 ? Vector2d(sine * (angle_rad / sine.norm())) : sine;
+  return innovation;
+}
+
+BarFilter::InnovationCovariance BarFilter::NoiseOf(const BarPlace& measured) const {
+  Eigen::Matrix<double, 5, 6> across = Eigen::Matrix<double, 5, 6>::Zero();
+  across.topLeftCorner<3, 3>().setIdentity();
+  across.bottomRightCorner<2, 3>() = Tangent().transpose();
+  InnovationCovariance noise = across * measured.covariance * across.transpose();
+  noise.diagonal().head<3>().array() += kNoiseMinM * kNoiseMinM;
+  noise.diagonal().tail<2>().array() += kNoiseMinRad * kNoiseMinRad;
+  return noise;
+}
+
+std::optional<double> BarFilter::ChiSquare(const BarPlace& measured) const {
+  const auto innovation = InnovationOf(measured);
+  if (!innovation) return std::nullopt;
+  const InnovationCovariance s = Measured() * covariance_ * Measured().transpose() + NoiseOf(measured);
+  const Eigen::LDLT<InnovationCovariance> factors(s);
+  if (factors.info() != Eigen::Success || !factors.isPositive()) return std::nullopt;
+  const double chi_square = innovation->dot(factors.solve(*innovation));
+  if (!std::isfinite(chi_square)) return std::nullopt;
+  return chi_square;
+}
+
+void BarFilter::Update(const BarPlace& measured) {
+  const auto innovation = InnovationOf(measured);
+  ADIT_REQUIRE(innovation.has_value());
+  const Picker h = Measured();
+  const InnovationCovariance noise = NoiseOf(measured);
+  const InnovationCovariance s = h * covariance_ * h.transpose() + noise;
+  const Eigen::Matrix<double, 10, 5> gain = s.ldlt().solve(h * covariance_).transpose();
+  const Eigen::Matrix<double, 10, 1> step = gain * *innovation;
+  point_b_m_ += step.segment<3>(kPoint);
+  velocity_m_per_s_ += step.segment<3>(kSpeed);
+  rate_rad_per_s_ += step.segment<2>(kAsideRate);
+  Turn(step.segment<2>(kAside));
+  const Covariance left = Covariance::Identity() - gain * h;
+  covariance_ = left * covariance_ * left.transpose() + gain * noise * gain.transpose();
+  covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
+}
+
+/// Takes the basis along the great circle by `step_rad`.
+void BarFilter::Turn(const Vector2d& step_rad) {
+  const double angle_rad = step_rad.norm();
+  if (!(angle_rad > 0)) return;
+  const Vector3d axis = basis_.col(0).cross(Vector3d(Tangent() * step_rad)) / angle_rad;
+  basis_ = Eigen::AngleAxisd(angle_rad, axis).toRotationMatrix() * basis_;
+  // Rounding would let the basis shear over a day of frames.
+  basis_.col(0).normalize();
+  basis_.col(1) = (basis_.col(1) - basis_.col(0).dot(basis_.col(1)) * basis_.col(0)).normalized();
+  basis_.col(2) = basis_.col(0).cross(basis_.col(1));
+}
+
+BarPlace BarFilter::Place() const {
+  BarPlace place{point_b_m_, basis_.col(0), {}};
+  Eigen::Matrix<double, 6, 10> by_state = Eigen::Matrix<double, 6, 10>::Zero();
+  by_state.block<3, 3>(0, kPoint).setIdentity();
+  by_state.block<3, 2>(3, kAside) = Tangent();
+  place.covariance = by_state * covariance_ * by_state.transpose();
+  return place;
+}
+
+}  // namespace adit::track

@@ -10,8 +10,9 @@
 
 namespace adit::identify {
 
-inline constexpr std::size_t kMaxTargets = 32;    ///< models a box can hold
-inline constexpr std::size_t kMaxSightings = 64;  ///< candidates per image, ambiguous ones included
+inline constexpr std::size_t kMaxTargets = 32;  ///< models a box can hold
+inline constexpr std::size_t kMaxSightings =
+    256;  ///< candidates per image: a row of twenty lamps in line with a bar makes 100
 
 /// Four blobs that pass for a target in one image.
 struct Sighting {

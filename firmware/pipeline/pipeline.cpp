@@ -87,7 +87,8 @@ void Pipeline::Locate(const detect::BlobSet& left, const detect::BlobSet& right,
   // Targets are sought in the left image only; the epipolar lines find them in the right one (seed 4.3.5).
   result.right.blob_set = &right;
   result.right.sightings.clear();
-  locator_.Locate(result.left, result.right, result.points);
+  tracker_.Expect(left.stamp.mid_exposure_ns, expectations_);
+  locator_.Locate(result.left, result.right, expectations_, result.points);
   tracker_.Track(result.points, result.states);
   if (windows_) plan_->Store(planner_.Next(result.points, result.states));
   georeference_.Apply(result.states, result.fixes);

@@ -62,6 +62,7 @@ class Pipeline {
   identify::Identifier left_identifier_;
   stereo::Locator locator_;
   track::Tracker tracker_;
+  stereo::ExpectationSet expectations_{};  ///< of the pair being located; here for its size
   georef::Georeference georeference_;
   bool windows_;
   SearchPlanner planner_;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
+#include <utility>
 
 #include "firmware/stereo/levenberg_marquardt.h"
 
@@ -33,7 +34,34 @@ Eigen::Matrix<double, 3, 5> PointSlope(const Tangent& tangent, double offset_m) 
   return slope;
 }
 
-/// Sixteen whitened reprojection residuals of a bar.
+/// The line through the LEDs seen in both images, by least squares; nothing if they have no common direction.
+std::optional<Bar> LineThrough(const base::Target& target, const BarObservations& observations,
+                               const LedPlaces& leds_b_m) {
+  double count = 0, mean_place_m = 0;
+  Vector3d mean_b_m = Vector3d::Zero();
+  for (std::size_t i = 0; i < kLedCount; ++i) {
+    if (!SeenInBoth(observations[i])) continue;
+    mean_b_m += leds_b_m[i], mean_place_m += target.leds_m[i];
+    ++count;
+  }
+  if (count < 2) return std::nullopt;
+  mean_b_m /= count, mean_place_m /= count;
+  Vector3d direction = Vector3d::Zero();
+  double spread_m2 = 0;
+  for (std::size_t i = 0; i < kLedCount; ++i) {
+    if (!SeenInBoth(observations[i])) continue;
+    const double offset_m = target.leds_m[i] - mean_place_m;
+    direction += offset_m * (leds_b_m[i] - mean_b_m);
+    spread_m2 += offset_m * offset_m;
+  }
+  // On a bar of the target's length the sum is the spread; much less, and the LEDs have no common direction.
+  constexpr double kShareMin = 0.1;
+  if (!(direction.norm() > kShareMin * spread_m2)) return std::nullopt;
+  direction.normalize();
+  return Bar{mean_b_m + (MeanPlaceM(target) - mean_place_m) * direction, direction};
+}
+
+/// Whitened reprojection residuals of a bar: sixteen, zero where nothing is seen, so that the size is fixed.
 struct BarProblem {
   static constexpr int kParameters = 5, kResiduals = 4 * kLedCount;
   using State = Bar;
@@ -61,7 +89,8 @@ struct BarProblem {
         Eigen::Matrix<double, 2, 3> slope;
         if (!(*views)[s].Project(point_m, seen, slope)) return false;
         const auto row = static_cast<Eigen::Index>(4 * i + 2 * s);
-        const Eigen::Matrix2d w = whiten ? whiteners[i][s] : Eigen::Matrix2d(Eigen::Matrix2d::Identity());
+        const double counts = (*observations)[i][s].seen ? 1 : 0;
+        const Eigen::Matrix2d w = whiten ? whiteners[i][s] : counts * Eigen::Matrix2d::Identity();
         residuals.segment<2>(row) = w * (seen - (*observations)[i][s].px);
         const Eigen::Matrix<double, 2, 3> by_point = w * slope;
         jacobian.block<2, 3>(row, 0) = by_point;
@@ -79,6 +108,33 @@ struct BarProblem {
             (bar.direction_b + TangentOf(bar.direction_b) * step.tail<2>()).normalized()};
   }
 };
+
+struct LocalMinimum {
+  Bar bar;
+  Minimum<BarProblem::kParameters> minimum;
+};
+
+/// Far away a bar's image tells how much it leans, but hardly whether towards the cameras or away: the fit
+/// has a second minimum there, and a start on its side ends in it. That minimum, if it is one and near
+/// enough in cost to matter.
+std::optional<LocalMinimum> OtherLean(const BarProblem& problem, const Bar& bar, double cost) {
+  constexpr double kMatters = 100;  // more, and the start was on the right side beyond doubt
+  constexpr double kSame = 1;       // squared, in standard deviations: it is the same minimum
+  const Vector3d towards = bar.centre_b_m.normalized();
+  LocalMinimum other{bar, {}};
+  other.bar.direction_b -= 2 * towards.dot(bar.direction_b) * towards;
+  BarResiduals residuals;
+  BarProblem::Jacobian jacobian;
+  if (!problem.Evaluate(other.bar, residuals, jacobian)) return std::nullopt;
+  if (residuals.squaredNorm() > cost + kMatters) return std::nullopt;
+  other.minimum = Minimise(problem, other.bar);
+  if (!other.minimum.converged) return std::nullopt;
+  const Eigen::Vector2d turn =
+      TangentOf(bar.direction_b).transpose() * (other.bar.direction_b - bar.direction_b);
+  const Eigen::Matrix2d information = other.minimum.information.bottomRightCorner<2, 2>();
+  if (turn.dot(information * turn) < kSame) return std::nullopt;
+  return other;
+}
 
 }  // namespace
 
@@ -100,26 +156,37 @@ Eigen::Matrix3d BarFit::DirectionCovariance() const {
   return tangent * covariance.bottomRightCorner<2, 2>() * tangent.transpose();
 }
 
+int SeenCount(const BarObservations& observations) {
+  int count = 0;
+  for (const ObservationPair& pair : observations) count += (pair[0].seen ? 1 : 0) + (pair[1].seen ? 1 : 0);
+  return count;
+}
+
 std::optional<BarFit> FitBar(const Views& views, const base::Target& target,
-                             const BarObservations& observations,
-                             const std::array<Vector3d, kLedCount>& leds_b_m) {
+                             const BarObservations& observations, const LedPlaces& leds_b_m) {
+  const auto start = LineThrough(target, observations, leds_b_m);
+  if (!start) return std::nullopt;
   BarFit fit;
-  Vector3d direction = Vector3d::Zero();
-  double spread_m2 = 0;
-  for (std::size_t i = 0; i < kLedCount; ++i) {
-    const double offset_m = target.leds_m[i] - MeanPlaceM(target);
-    fit.bar.centre_b_m += leds_b_m[i] / kLedCount;
-    direction += offset_m * leds_b_m[i];
-    spread_m2 += offset_m * offset_m;
-  }
-  // On a bar of the target's length the sum is the spread; much less, and the LEDs have no common direction.
-  constexpr double kShareMin = 0.1;
-  if (!(direction.norm() > kShareMin * spread_m2)) return std::nullopt;
-  fit.bar.direction_b = direction.normalized();
+  fit.bar = *start;
   const BarProblem problem(views, target, observations, 0);
-  const auto minimum = Minimise(problem, fit.bar);
+  auto minimum = Minimise(problem, fit.bar);
   if (!minimum.converged) return std::nullopt;
-  fit.covariance = minimum.information.inverse();
+  const auto other = OtherLean(problem, fit.bar, minimum.cost);
+  Eigen::Matrix<double, 5, 1> apart = Eigen::Matrix<double, 5, 1>::Zero();
+  double share = 0;
+  if (other) {
+    Bar second = other->bar;
+    if (other->minimum.cost < minimum.cost) {
+      std::swap(second, fit.bar);
+      share = 1 / (1 + std::exp(0.5 * (minimum.cost - other->minimum.cost)));
+      minimum = other->minimum;
+    } else {
+      share = 1 / (1 + std::exp(0.5 * (other->minimum.cost - minimum.cost)));
+    }
+    apart << second.centre_b_m - fit.bar.centre_b_m,
+        TangentOf(fit.bar.direction_b).transpose() * (second.direction_b - fit.bar.direction_b);
+  }
+  fit.covariance = minimum.information.inverse() + share * apart * apart.transpose();
   if (!fit.covariance.allFinite()) return std::nullopt;
   fit.tangent = TangentOf(fit.bar.direction_b);
   BarProblem::Jacobian unused;

@@ -1,4 +1,4 @@
-// Four LEDs on a rigid bar -> where the bar is.
+// LEDs on a rigid bar, all four or what is seen of them -> where the bar is.
 #pragma once
 
 #include <array>
@@ -9,9 +9,15 @@
 
 namespace adit::stereo {
 
-/// The centroids of LED 1 to LED 4 in both images.
+/// The centroids of LED 1 to LED 4 in both images; those that are hidden are marked so.
 using BarObservations = std::array<ObservationPair, base::kLedCount>;
-/// Residuals of a bar: LED by LED, left before right, u before v.
+/// Places of LED 1 to LED 4.
+using LedPlaces = std::array<Eigen::Vector3d, base::kLedCount>;
+
+/// How many centroids there are; each is two coordinates.
+int SeenCount(const BarObservations& observations);
+
+/// Residuals of a bar: LED by LED, left before right, u before v; zero where nothing is seen.
 using BarResiduals = Eigen::Matrix<double, 4 * base::kLedCount, 1>;
 
 /// A bar in the rig frame: the mean place of its LEDs and its direction. The mean, because the estimate of
@@ -38,12 +44,14 @@ struct BarFit {
   Eigen::Matrix3d PointDirectionCovarianceM(const base::Target& target, double place_m) const;
 };
 
-/// Fits the rigid bar to the 16 coordinates, weighted by the centroids' covariances: 5 parameters,
-/// Levenberg-Marquardt from the line through `leds_b_m`. Declines bars that reach behind a camera and what
-/// does not converge.
+/// Fits the rigid bar to the coordinates that are seen, weighted by the centroids' covariances: 5 parameters,
+/// Levenberg-Marquardt from the line through those of `leds_b_m` that are seen in both images (the others are
+/// not read). An LED seen in one image helps with its ray. Where a bar that leans towards the cameras and one
+/// that leans away fit nearly alike, the better one is taken, and the covariance covers the other by its
+/// likelihood. Declines fewer than two LEDs seen in both images,
+/// bars that reach behind a camera and what does not converge.
 std::optional<BarFit> FitBar(const Views& views, const base::Target& target,
-                             const BarObservations& observations,
-                             const std::array<Eigen::Vector3d, base::kLedCount>& leds_b_m);
+                             const BarObservations& observations, const LedPlaces& leds_b_m);
 
 /// What a calibration may be off by, and the centroids beyond their covariance; 1 sigma each.
 struct FitAllowance {
@@ -52,8 +60,8 @@ struct FitAllowance {
   double scale = 0;           ///< of all distances
 };
 
-/// Chi-square of the fit's residuals, 11 degrees of freedom, after the best common shift of the right image
-/// and the best scale within `allowance` are taken out.
+/// Chi-square of the fit's residuals, two degrees of freedom for each centroid seen less five, after the best
+/// common shift of the right image and the best scale within `allowance` are taken out.
 double ChiSquare(const Views& views, const base::Target& target, const BarObservations& observations,
                  const BarFit& fit, const FitAllowance& allowance);
 

@@ -53,24 +53,45 @@ bool IsMirrorImage(const Views& views, const Solution& real, const Solution& ima
   return true;
 }
 
+}  // namespace
+
 bool ShareABlob(const Solution& a, const Solution& b) {
   const auto shares = [](const BlobIndices& x, const BlobIndices& y) {
-    return std::any_of(x.begin(), x.end(),
-                       [&y](std::uint16_t i) { return std::find(y.begin(), y.end(), i) != y.end(); });
+    return std::any_of(x.begin(), x.end(), [&y](std::uint16_t i) {
+      return i != kNoBlob && std::find(y.begin(), y.end(), i) != y.end();
+    });
   };
   return shares(a.points.blobs[0], b.points.blobs[0]) || shares(a.points.blobs[1], b.points.blobs[1]);
 }
 
-}  // namespace
+void Add(const LocatorOptions& options, const Solution& solution, Finding& finding) {
+  for (Solution& known : finding.solutions) {
+    if (!SamePlace(known, solution, options)) continue;
+    if (solution.cost < known.cost) known = solution;
+    return;
+  }
+  if (!finding.solutions.push_back(solution)) finding.crowded = true;
+}
 
-const Solution* Choose(const Views& views, const LocatorOptions& options, Finding& finding) {
+bool Explains(const Solution& solution, const BarBlobs& blobs) {
+  for (std::size_t side = 0; side < 2; ++side) {
+    for (std::size_t i = 0; i < kLedCount; ++i) {
+      if (blobs[side][i] != kNoBlob && solution.points.blobs[side][i] != blobs[side][i]) return false;
+    }
+  }
+  return true;
+}
+
+const Solution* Choose(const Views& views, const LocatorOptions& options, const Solution* expected,
+                       Finding& finding) {
   if (finding.solutions.empty() && !finding.crowded) return nullptr;
   finding.reason = LossReason::kAmbiguous;
   if (finding.crowded) return nullptr;
   auto& solutions = finding.solutions;
   std::sort(solutions.begin(), solutions.end(),
-            [](const Solution& a, const Solution& b) { return a.chi_square < b.chi_square; });
+            [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
   const auto is_reflection = [&](const Solution& s) {
+    if (expected != nullptr && IsMirrorImage(views, *expected, s, options)) return true;
     return std::any_of(solutions.begin(), solutions.end(),
                        [&](const Solution& other) { return IsMirrorImage(views, other, s, options); });
   };
@@ -79,7 +100,7 @@ const Solution* Choose(const Views& views, const LocatorOptions& options, Findin
     if (is_reflection(s)) continue;
     if (best == nullptr) {
       best = &s;
-    } else if (!SamePlace(*best, s, options) && s.chi_square < best->chi_square + options.chi_square_margin) {
+    } else if (s.cost < best->cost + options.chi_square_margin) {
       return nullptr;
     }
   }
@@ -89,19 +110,21 @@ const Solution* Choose(const Views& views, const LocatorOptions& options, Findin
 
 void ResolveShared(const LocatorOptions& options, std::vector<const Solution*>& chosen,
                    std::vector<Finding>& findings) {
-  std::array<bool, identify::kMaxTargets> falls{};
+  std::array<bool, identify::kMaxTargets> falls{}, is_another{};
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    for (std::size_t j = i + 1; j < chosen.size(); ++j) {
-      if (chosen[i] == nullptr || chosen[j] == nullptr || !ShareABlob(*chosen[i], *chosen[j])) continue;
-      const double difference = chosen[i]->chi_square - chosen[j]->chi_square;
-      if (difference > -options.chi_square_margin) falls[i] = true;
-      if (difference < options.chi_square_margin) falls[j] = true;
+    for (std::size_t j = 0; chosen[i] != nullptr && j < chosen.size(); ++j) {
+      for (const Solution& other : findings[j].solutions) {
+        if (j == i || !ShareABlob(*chosen[i], other)) continue;
+        const double difference = chosen[i]->cost - other.cost;
+        if (difference > -options.chi_square_margin) falls[i] = true;
+        if (difference >= options.chi_square_margin) is_another[i] = true;
+      }
     }
   }
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (!falls[i]) continue;
     chosen[i] = nullptr;
-    findings[i].reason = LossReason::kAmbiguous;
+    findings[i].reason = is_another[i] ? LossReason::kNotSeen : LossReason::kAmbiguous;
   }
 }
 

@@ -17,16 +17,28 @@ struct Finding {
   bool crowded = false;                      ///< hypotheses were left out: nothing may be concluded
 };
 
+/// Adds a solution. Solutions at one place (within `options.sigmas` and 10 mm) count as the better one.
+void Add(const LocatorOptions& options, const Solution& solution, Finding& finding);
+
+/// Whether a solution takes these blobs, and perhaps more, for these LEDs.
+bool Explains(const Solution& solution, const BarBlobs& blobs);
+
 /// The one solution that stands, or null with `finding.reason` set.
 ///
-/// Solutions at one place (within `options.sigmas` and 10 mm) count as the better one. A place and its mirror
-/// image in a plane count as the one on the cameras' side of the plane: the other is its reflection, in water
-/// or a wall. Of what remains, the best stands if its chi-square is smaller by
+/// A place and its mirror image in a plane count as the one on the cameras' side of the plane: the other is
+/// its reflection, in water or a wall. That holds too for the place where the target is `expected` (null:
+/// nowhere) but not seen. Of what remains, the best stands if its cost is smaller by
 /// `options.chi_square_margin`; otherwise none does (kAmbiguous).
-const Solution* Choose(const Views& views, const LocatorOptions& options, Finding& finding);
+const Solution* Choose(const Views& views, const LocatorOptions& options, const Solution* expected,
+                       Finding& finding);
 
-/// No blob belongs to two targets: of two that share one, the clearly better stands, or neither. `chosen` has
-/// an entry per target (null: none); those that fall become null with their finding's reason kAmbiguous.
+/// Whether two solutions take one blob.
+bool ShareABlob(const Solution& a, const Solution& b);
+
+/// No blob belongs to two targets: of two that share one, the clearly better stands, or neither. A place that
+/// was found for another target and not chosen contests too. `chosen` has
+/// an entry per target (null: none); those that fall become null with their finding's reason kAmbiguous, or
+/// kNotSeen where the blobs are clearly the other's.
 void ResolveShared(const LocatorOptions& options, std::vector<const Solution*>& chosen,
                    std::vector<Finding>& findings);
 

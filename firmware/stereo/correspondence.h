@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "firmware/identify/sighting_set.h"
 #include "firmware/stereo/locator_options.h"
@@ -25,6 +26,13 @@ struct LedCandidates {
   bool crowded = false;  ///< more candidates than fit: nothing may be concluded
 };
 
+/// The epipolar line of a left blob in the right image.
+struct EpipolarLine {
+  Eigen::Vector3d line = Eigen::Vector3d::Zero();  ///< its product with a homogeneous pixel is the distance
+  double length = 0;                               ///< what `line` was divided by
+  double widest_px = 0;                            ///< no right blob farther from it passes
+};
+
 /// The epipolar geometry of a rig, and the right blobs of one pair. One thread; no allocation.
 class Correspondence {
  public:
@@ -36,6 +44,11 @@ class Correspondence {
   /// Every right blob within the gate around the epipolar line of `left` that makes a point in front of both
   /// cameras.
   void Find(const detect::Blob& left, LedCandidates& out) const;
+
+  /// Declines where there is no line: the blob is no number.
+  std::optional<EpipolarLine> LineOf(const detect::Blob& left) const;
+  /// Whether `right` is near enough to the line: `epipolar_px` and `sigmas` of both centroids' noise.
+  bool Near(const EpipolarLine& line, const detect::Blob& left, const detect::Blob& right) const;
 
  private:
   Views views_;

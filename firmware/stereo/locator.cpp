@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "firmware/stereo/choice.h"
-#include "firmware/stereo/correspondence.h"
-#include "firmware/stereo/solution.h"
+#include "firmware/stereo/bar_builder.h"
+#include "firmware/stereo/expected_search.h"
+#include "firmware/stereo/triple_bars.h"
 
 namespace adit::stereo {
 
@@ -17,20 +17,25 @@ struct Locator::State {
         options(chosen_options),
         views(MakeViews(rig)),
         correspondence(rig, chosen_options),
-        solver(rig, chosen_options),
+        builder(rig, chosen_options),
+        triple_bars(rig, all, chosen_options),
+        expected_search(rig, chosen_options),
         findings(all.size()),
         chosen(all.size()) {}
 
-  void TrySighting(const identify::SightingSet& left, const identify::SightingSet& right,
-                   const Sighting& sighting);
-  void TryRightBlobs(const identify::SightingSet& left, const identify::SightingSet& right,
-                     const Sighting& sighting, const BlobIndices& right_blobs);
+  void TrySighting(const Sighting& sighting);
+  void TryBlobs(std::size_t target, const BarBlobs& blobs);
+  void SeekExpected(const ExpectationSet& expectations);
+  std::bitset<identify::kMaxTargets> Wanted(const ExpectationSet& expectations) const;
+  void ChooseAll(const ExpectationSet& expectations);
 
   std::vector<base::Target> targets;
   LocatorOptions options;
   Views views;
   Correspondence correspondence;
-  Solver solver;
+  BarBuilder builder;
+  TripleBars triple_bars;
+  ExpectedSearch expected_search;
   std::array<LedCandidates, kLedCount> candidates;
   std::vector<Finding> findings;
   std::vector<const Solution*> chosen;
@@ -92,12 +97,11 @@ void VisitAssignments(const base::Target& target, const std::array<LedCandidates
 
 }  // namespace
 
-void Locator::State::TrySighting(const identify::SightingSet& left, const identify::SightingSet& right,
-                                 const Sighting& sighting) {
+void Locator::State::TrySighting(const Sighting& sighting) {
   Finding& finding = findings[sighting.target];
   bool on_line = true, makes_points = true;
   for (std::size_t i = 0; i < kLedCount; ++i) {
-    correspondence.Find(left.blob_set->blobs[sighting.blobs[i]], candidates[i]);
+    correspondence.Find(builder.Blobs(0).blobs[sighting.blobs[i]], candidates[i]);
     on_line = on_line && candidates[i].on_line;
     makes_points = makes_points && !candidates[i].candidates.empty();
     if (candidates[i].crowded) finding.crowded = true;
@@ -109,28 +113,44 @@ void Locator::State::TrySighting(const identify::SightingSet& left, const identi
   }
   finding.reason = Farther(finding.reason, LossReason::kDistances);
   VisitAssignments(targets[sighting.target], candidates, options, [&](const BlobIndices& right_blobs) {
-    TryRightBlobs(left, right, sighting, right_blobs);
+    TryBlobs(sighting.target, {sighting.blobs, right_blobs});
   });
 }
 
-void Locator::State::TryRightBlobs(const identify::SightingSet& left, const identify::SightingSet& right,
-                                   const Sighting& sighting, const BlobIndices& right_blobs) {
-  Finding& finding = findings[sighting.target];
-  BarObservations observations;
-  double flux_dn = 0;
-  for (std::size_t i = 0; i < kLedCount; ++i) {
-    const detect::Blob& blob = left.blob_set->blobs[sighting.blobs[i]];
-    observations[i] = {ObservationOf(blob), ObservationOf(right.blob_set->blobs[right_blobs[i]])};
-    flux_dn += static_cast<double>(blob.flux_dn);
-  }
+void Locator::State::TryBlobs(std::size_t target, const BarBlobs& blobs) {
+  Finding& finding = findings[target];
   LossReason reason = LossReason::kNone;
-  auto solution = solver.Solve(targets[sighting.target], observations, reason);
+  const auto solution = builder.Build(targets[target], blobs, reason);
   finding.reason = Farther(finding.reason, reason);
-  if (!solution) return;
-  solution->flux_dn = flux_dn;
-  solution->points.blobs = {sighting.blobs, right_blobs};
-  solution->points.target = sighting.target;
-  if (!finding.solutions.push_back(*solution)) finding.crowded = true;
+  if (solution) Add(options, *solution, finding);
+}
+
+void Locator::State::SeekExpected(const ExpectationSet& expectations) {
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const Expectation& expected = expectations[i];
+    if (!expected.known) continue;
+    const auto is_expected = [&](const Solution& s) { return IsExpected(targets[i], expected, s); };
+    if (std::any_of(findings[i].solutions.begin(), findings[i].solutions.end(), is_expected)) continue;
+    expected_search.Run(targets[i], expected, builder, correspondence, findings[i]);
+  }
+}
+
+/// The targets whose places with three LEDs are wanted. One that shows where it is expected needs no more. Of
+/// any other one, also of one whose four LEDs were found, they are: the four may be the reflection of these.
+std::bitset<identify::kMaxTargets> Locator::State::Wanted(const ExpectationSet& expectations) const {
+  std::bitset<identify::kMaxTargets> wanted;
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    wanted[i] = !expectations[i].known || findings[i].solutions.empty();
+  return wanted;
+}
+
+void Locator::State::ChooseAll(const ExpectationSet& expectations) {
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    Solution place;
+    if (expectations[i].known) place = ExpectedPlace(targets[i], expectations[i]);
+    chosen[i] = Choose(views, options, expectations[i].known ? &place : nullptr, findings[i]);
+  }
+  ResolveShared(options, chosen, findings);
 }
 
 Locator::Locator(const optics::Rig& rig, const std::vector<base::Target>& targets,
@@ -144,6 +164,11 @@ Locator::Locator(Locator&&) noexcept = default;
 Locator& Locator::operator=(Locator&&) noexcept = default;
 
 void Locator::Locate(const identify::SightingSet& left, const identify::SightingSet& right, PointSet& out) {
+  Locate(left, right, ExpectationSet{}, out);
+}
+
+void Locator::Locate(const identify::SightingSet& left, const identify::SightingSet& right,
+                     const ExpectationSet& expectations, PointSet& out) {
   State& s = *state_;
   const base::FrameStamp& left_stamp = left.blob_set->stamp;
   const base::FrameStamp& right_stamp = right.blob_set->stamp;
@@ -162,10 +187,11 @@ void Locator::Locate(const identify::SightingSet& left, const identify::Sighting
   }
   if (usable) {
     s.correspondence.SetRight(*right.blob_set);
-    for (const Sighting& sighting : left.sightings) s.TrySighting(left, right, sighting);
-    for (std::size_t i = 0; i < s.targets.size(); ++i)
-      s.chosen[i] = Choose(s.views, s.options, s.findings[i]);
-    ResolveShared(s.options, s.chosen, s.findings);
+    s.builder.Set(*left.blob_set, *right.blob_set);
+    for (const Sighting& sighting : left.sightings) s.TrySighting(sighting);
+    s.SeekExpected(expectations);
+    s.triple_bars.Run(s.Wanted(expectations), s.builder, s.correspondence, s.findings);
+    s.ChooseAll(expectations);
   }
   out.targets.clear();
   for (std::size_t i = 0; i < s.targets.size(); ++i) {

@@ -15,11 +15,20 @@ struct LocatorOptions {
   /// What no covariance of pixel noise holds (identify::IdentifierOptions has the same).
   double centroid_floor_px = 0.05;
   double sigmas = 4;
-  /// Of the rigid fit, 11 degrees of freedom: a true target exceeds it once in 200 000.
-  double chi_square_max = 45;
+  /// Of the rigid fit, in standard deviations of a normal variable: a true target exceeds it once in 200 000
+  /// (chi-square 45 with 11 degrees of freedom).
+  double chi_square_sigmas = 4.4;
   /// Two places of one target: the worse is dismissed if its chi-square is this much more (likelihood
   /// e^-12), else both are.
   double chi_square_margin = 25;
+  /// What a centroid that should be there and is not counts in that comparison: as much as the margin and a
+  /// chi-square that is still usual, so that a place with all four LEDs stands against one with three.
+  double hidden_cost = 35;
+  /// Places of three LEDs are believed without a lock only if, with the blobs as they stand, chance makes
+  /// fewer than this of them in a pair.
+  double chance_max = 1e-5;
+  /// The same for two LEDs in the place where the target is expected: the lock is the better evidence.
+  double expected_chance_max = 1e-3;
 };
 
 }  // namespace adit::stereo

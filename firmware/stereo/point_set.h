@@ -11,12 +11,15 @@
 
 namespace adit::stereo {
 
-/// Which blobs of an image are LED 1 to LED 4.
+/// Which blobs of an image are LED 1 to LED 4; kNoBlob where an LED is hidden.
 using BlobIndices = std::array<std::uint16_t, base::kLedCount>;
+inline constexpr std::uint16_t kNoBlob = 0xFFFF;
+/// In the left image and in the right one.
+using BarBlobs = std::array<BlobIndices, 2>;
 
 enum class FixStatus : std::uint8_t {
   kTracked,    ///< all four LEDs measured in both images
-  kRecovered,  ///< one or two LEDs rebuilt from the others
+  kRecovered,  ///< one or two LEDs rebuilt from the others: hidden in one image or in both
   kPredicted,  ///< by the filter alone
   kLost,       ///< no position
 };
@@ -25,7 +28,7 @@ enum class FixStatus : std::uint8_t {
 enum class LossReason : std::uint8_t {
   kNone,
   kNoFrame,           ///< a camera delivered no usable frame
-  kNotSeen,           ///< no four blobs in the left image pass for it
+  kNotSeen,           ///< no four blobs in the left image pass for it, nor three LEDs in both
   kNoCorrespondence,  ///< the right image does not confirm them along the epipolar lines
   kDistances,         ///< the LEDs found are not the right distances apart
   kAmbiguous,         ///< several places pass equally well
@@ -41,18 +44,18 @@ struct TargetPoints {
   FixStatus status = FixStatus::kLost;
   LossReason reason = LossReason::kNotSeen;
   std::array<Eigen::Vector3d, base::kLedCount> leds_b_m =
-      base::ZeroPoints<base::kLedCount>();                  ///< each LED on its own
+      base::ZeroPoints<base::kLedCount>();                  ///< each LED on its own; rebuilt: from the fit
   Eigen::Vector3d epicenter_b_m = Eigen::Vector3d::Zero();  ///< from the rigid bar fit
   Eigen::Matrix3d epicenter_covariance_m2 = Eigen::Matrix3d::Zero();
   Eigen::Vector3d direction_b = Eigen::Vector3d::Zero();           ///< unit, LED 1 to LED 4
   Eigen::Matrix3d direction_covariance = Eigen::Matrix3d::Zero();  ///< rank 2
   /// Of the epicenter (rows) with the direction (columns): a tip beyond the LEDs goes where the bar turns.
   Eigen::Matrix3d epicenter_direction_covariance_m = Eigen::Matrix3d::Zero();
-  double bar_m = 0;  ///< measured distance LED 1 to LED 4, from the single LEDs
+  double bar_m = 0;  ///< distance LED 1 to LED 4 of `leds_b_m`: measured, unless one of them was rebuilt
   double bar_sigma_m = 0;
-  double reprojection_px = 0;          ///< rms over the rigid fit's image residuals
-  std::uint8_t recovered_mask = 0;     ///< bit i: LED i+1 was rebuilt
-  std::array<BlobIndices, 2> blobs{};  ///< LED 1 to LED 4 in the left image's blobs and in the right one's
+  double reprojection_px = 0;       ///< rms over the rigid fit's image residuals
+  std::uint8_t recovered_mask = 0;  ///< bit i: LED i+1 was rebuilt
+  BarBlobs blobs{};                 ///< LED 1 to LED 4 in the left image's blobs and in the right one's
 };
 
 /// One entry for every target of the model list, in its order, found or lost.

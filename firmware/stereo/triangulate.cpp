@@ -8,6 +8,7 @@
 namespace adit::stereo {
 
 using Eigen::Matrix3d;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 namespace {
@@ -50,9 +51,10 @@ std::optional<LocatedPoint> WithCovariance(const Vector3d& point_m, const Matrix
   return located;
 }
 
-/// Midpoint of the closest approach of the two rays.
-std::optional<Vector3d> Midpoint(const Views& views, const ObservationPair& pair) {
-  const Vector3d a = views[0].Ray(pair[0].px), b = views[1].Ray(pair[1].px);
+}  // namespace
+
+std::optional<Vector3d> Midpoint(const Views& views, const Vector2d& left_px, const Vector2d& right_px) {
+  const Vector3d a = views[0].Ray(left_px), b = views[1].Ray(right_px);
   const Vector3d base_m = views[1].CentreM() - views[0].CentreM();
   const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b);
   const double det = aa * bb - ab * ab;
@@ -63,10 +65,8 @@ std::optional<Vector3d> Midpoint(const Views& views, const ObservationPair& pair
   return views[0].CentreM() + 0.5 * (ra * a + base_m + rb * b);
 }
 
-}  // namespace
-
 std::optional<LocatedPoint> Triangulate(const Views& views, const ObservationPair& pair, double floor_px) {
-  const auto start = Midpoint(views, pair);
+  const auto start = Midpoint(views, pair[0].px, pair[1].px);
   if (!start) return std::nullopt;
   Vector3d point_m = *start;
   const auto minimum = Minimise(PointProblem(views, pair, floor_px), point_m);
@@ -76,7 +76,7 @@ std::optional<LocatedPoint> Triangulate(const Views& views, const ObservationPai
 
 std::optional<LocatedPoint> TriangulateMidpoint(const Views& views, const ObservationPair& pair,
                                                 double floor_px) {
-  const auto point_m = Midpoint(views, pair);
+  const auto point_m = Midpoint(views, pair[0].px, pair[1].px);
   if (!point_m) return std::nullopt;
   Eigen::Vector4d residuals;
   Eigen::Matrix<double, 4, 3> jacobian;

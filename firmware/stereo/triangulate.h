@@ -24,6 +24,10 @@ inline constexpr double kDepthSigmaMax = 0.05;
 /// does not converge.
 std::optional<LocatedPoint> Triangulate(const Views& views, const ObservationPair& pair, double floor_px = 0);
 
+/// The midpoint of the rays' closest approach. Declines rays that are parallel; it may be behind a camera.
+std::optional<Eigen::Vector3d> Midpoint(const Views& views, const Eigen::Vector2d& left_px,
+                                        const Eigen::Vector2d& right_px);
+
 /// The midpoint of the rays' closest approach with its covariance: what a search needs, a tenth of the cost.
 /// Declines as Triangulate does.
 std::optional<LocatedPoint> TriangulateMidpoint(const Views& views, const ObservationPair& pair,

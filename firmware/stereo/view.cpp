@@ -34,6 +34,7 @@ Views MakeViews(const optics::Rig& rig) {
 }
 
 Eigen::Matrix2d Observation::Whitener(double floor_px) const {
+  if (!seen) return Eigen::Matrix2d::Zero();
   const double add = floor_px * floor_px + kNoiseMinPx * kNoiseMinPx;
   // Inverse of the lower Cholesky factor, written out; the diagonal is positive by `add` for any covariance
   // that is not negative.

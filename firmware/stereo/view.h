@@ -38,13 +38,16 @@ Views MakeViews(const optics::Rig& rig);
 struct Observation {
   Eigen::Vector2d px = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance_px2 = Eigen::Matrix2d::Identity();
+  bool seen = true;  ///< false: the LED is hidden in this image, and the rest is empty
 
-  /// W with W^T W = (covariance + floor^2 I)^-1: makes residuals of unit variance.
+  /// W with W^T W = (covariance + floor^2 I)^-1: makes residuals of unit variance. Zero if it is not seen.
   Eigen::Matrix2d Whitener(double floor_px) const;
 };
 
 /// Centroids of one LED in both images.
 using ObservationPair = std::array<Observation, 2>;
+
+inline bool SeenInBoth(const ObservationPair& pair) { return pair[0].seen && pair[1].seen; }
 
 /// Smallest noise that is believed of any centroid: a third of the Cramer-Rao bound of a quiet CCD.
 inline constexpr double kNoiseMinPx = 0.001;

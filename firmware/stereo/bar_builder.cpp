@@ -1,0 +1,93 @@
+#include "firmware/stereo/bar_builder.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "firmware/stereo/correspondence.h"
+
+namespace adit::stereo {
+
+using base::kLedCount;
+
+BarBuilder::BarBuilder(const optics::Rig& rig, const LocatorOptions& options)
+    : views_(MakeViews(rig)), solver_(rig, options), options_(options) {}
+
+void BarBuilder::Set(const detect::BlobSet& left, const detect::BlobSet& right) { blobs_ = {&left, &right}; }
+
+std::optional<Solution> BarBuilder::Build(const base::Target& target, const BarBlobs& blobs,
+                                          LossReason& reason) const {
+  BarObservations observations;
+  double flux_dn = 0, count = 0;
+  for (std::size_t i = 0; i < kLedCount; ++i) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::uint16_t index = blobs[side][i];
+      if (index == kNoBlob) {
+        observations[i][side].seen = false;
+        continue;
+      }
+      const detect::Blob& blob = blobs_[side]->blobs[index];
+      observations[i][side] = ObservationOf(blob);
+      if (side == 0) flux_dn += static_cast<double>(blob.flux_dn), ++count;
+    }
+  }
+  auto solution = solver_.Solve(target, observations, reason);
+  if (!solution) return std::nullopt;
+  solution->flux_dn = flux_dn / count;
+  solution->points.blobs = blobs;
+  return solution;
+}
+
+std::uint16_t BarBuilder::NearestTo(const base::Target& target, const Solution& solution, std::size_t led,
+                                    std::size_t side) const {
+  const double place_m = target.leds_m[led];
+  Eigen::Vector2d px;
+  Eigen::Matrix<double, 2, 3> slope;
+  if (!views_[side].Project(solution.fit.PointM(target, place_m), px, slope)) return kNoBlob;
+  const double floor_px2 = options_.centroid_floor_px * options_.centroid_floor_px;
+  const Eigen::Matrix2d place_px2 =
+      slope * solution.fit.PointCovarianceM2(target, place_m) * slope.transpose() +
+      floor_px2 * Eigen::Matrix2d::Identity();
+  const auto& taken = solution.points.blobs[side];
+  // What the rig may have turned moves the right image as a whole; the fit shares it between the images.
+  const double aside_px = 0.5 * options_.epipolar_px;
+  const double widest_px = options_.sigmas * std::sqrt(place_px2.trace()) + aside_px;
+  std::uint16_t nearest = kNoBlob;
+  double least = options_.sigmas * options_.sigmas;
+  for (std::size_t i = 0; i < blobs_[side]->blobs.size(); ++i) {
+    const detect::Blob& blob = blobs_[side]->blobs[i];
+    const Eigen::Vector2d offset = blob.ideal_px - px;
+    const double blob_px2 = blob.covariance_px2.trace();
+    // Written so that NaN is passed over.
+    if (!(offset.squaredNorm() <= 2 * (widest_px * widest_px + options_.sigmas * options_.sigmas * blob_px2)))
+      continue;
+    const Eigen::Matrix2d all_px2 =
+        place_px2 + blob.covariance_px2 + aside_px * aside_px / 4 * Eigen::Matrix2d::Identity();
+    const double distance = offset.dot(all_px2.inverse() * offset);
+    const auto index = static_cast<std::uint16_t>(i);
+    if (!(distance < least) || std::find(taken.begin(), taken.end(), index) != taken.end()) continue;
+    least = distance, nearest = index;
+  }
+  return nearest;
+}
+
+Solution BarBuilder::Completed(const base::Target& target, const Solution& solution) const {
+  Solution best = solution;
+  for (std::size_t led = 0; led < kLedCount; ++led) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (best.points.blobs[side][led] != kNoBlob) continue;
+      const std::uint16_t nearest = NearestTo(target, best, led, side);
+      if (nearest == kNoBlob) continue;
+      BarBlobs blobs = best.points.blobs;
+      blobs[side][led] = nearest;
+      LossReason unused;
+      const auto more = Build(target, blobs, unused);
+      // Two more coordinates may cost what two coordinates do, and no more.
+      if (!more || more->chi_square > best.chi_square + ChiSquareLimit(2, options_.chi_square_sigmas))
+        continue;
+      best = *more;
+    }
+  }
+  return best;
+}
+
+}  // namespace adit::stereo

@@ -1,0 +1,47 @@
+// Bars of which three LEDs are seen in both images, and how far they are to be believed.
+#pragma once
+
+#include <bitset>
+#include <vector>
+
+#include "firmware/stereo/bar_builder.h"
+#include "firmware/stereo/choice.h"
+#include "firmware/stereo/triple_search.h"
+
+namespace adit::stereo {
+
+/// Finds bars without a lock. Three points that stand right are strong evidence among scattered lamps and
+/// weak evidence where lamps stand in rows. So a bar counts only if fewer than `options.chance_max` like it
+/// are expected by chance in this very pair: from the density of its blobs, and from the near misses that no
+/// bar explains. One thread; no allocation after construction.
+class TripleBars {
+ public:
+  TripleBars(const optics::Rig& rig, const std::vector<base::Target>& targets, const LocatorOptions& options);
+
+  /// Adds to `findings`, by target, the bars of the targets `wanted`. `builder` and `correspondence` have the
+  /// pair set. Concludes nothing where the search is cut short.
+  void Run(const std::bitset<identify::kMaxTargets>& wanted, const BarBuilder& builder,
+           const Correspondence& correspondence, std::vector<Finding>& findings);
+
+ private:
+  struct Bar {
+    Triple triple;
+    Solution solution;
+  };
+  static constexpr std::size_t kMaxBars = 32;
+
+  void Try(const Triple& triple, const BarBuilder& builder, const std::vector<Finding>& findings);
+  double ChanceOf(const Bar& bar) const;
+  bool IsContested(const Bar& bar) const;
+  bool IsExplained(const NearMiss& near, const std::vector<Finding>& findings) const;
+
+  std::vector<base::Target> targets_;
+  LocatorOptions options_;
+  PointCloud cloud_;
+  TripleSearch search_;
+  TripleSet triples_;
+  base::FixedVector<Bar, kMaxBars> bars_;
+  std::array<double, identify::kMaxTargets> chance_{};
+};
+
+}  // namespace adit::stereo

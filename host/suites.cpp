@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "host/calibration_suite.h"
 #include "host/failure.h"
 #include "host/underground.h"
 
@@ -14,7 +15,7 @@ struct Suite {
   int (*run)(const SuiteOrder&);
 };
 
-constexpr std::array kSuites{Suite{"underground", RunUnderground}};
+constexpr std::array kSuites{Suite{"underground", RunUnderground}, Suite{"calibration", RunCalibrationSuite}};
 
 }  // namespace
 

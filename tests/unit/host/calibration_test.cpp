@@ -40,15 +40,15 @@ StereoBar Measured(const adit::tests::SyntheticBar& bar, double noise_px, std::s
   measured.mid_exposure_ns = static_cast<adit::base::TimeNs>(frame) * 16'666'667;
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity() * noise_px * noise_px;
-    measured.left[i] = {bar.left_px[i], covariance};
-    measured.right[i] = {bar.right_px[i], covariance};
+    measured.left[i] = {bar.left_px[i], bar.left_px[i], covariance};
+    measured.right[i] = {bar.right_px[i], bar.right_px[i], covariance};
   }
   return measured;
 }
 
 CalibrationInput Waved(const SyntheticRig& rig, const Waving& waving, std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  CalibrationInput input{"rec", Camera(rig), Camera(rig), {Wand()}, {}};
+  CalibrationInput input{{"rec"}, Camera(rig), Camera(rig), {Wand()}, {}};
   for (const auto& bar : WaveBars(rig, Wand().leds_m, waving, count, random))
     input.bars.push_back(Measured(bar, waving.noise_px, input.bars.size()));
   return input;

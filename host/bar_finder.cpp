@@ -11,7 +11,7 @@ BarView View(const identify::SightingSet& set, const identify::Sighting& sightin
   BarView view;
   for (std::size_t i = 0; i < view.size(); ++i) {
     const detect::Blob& blob = set.blob_set->blobs[sighting.blobs[i]];
-    view[i] = {blob.ideal_px, blob.covariance_px2};
+    view[i] = {blob.raw_px, blob.ideal_px, blob.covariance_px2};
   }
   return view;
 }

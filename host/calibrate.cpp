@@ -13,6 +13,7 @@
 #include "host/calibration.h"
 #include "host/calibration_text.h"
 #include "host/failure.h"
+#include "host/intrinsic_prior.h"
 #include "host/model_list.h"
 #include "host/pair_reader.h"
 #include "host/progress.h"
@@ -23,35 +24,65 @@ namespace {
 constexpr double kRadPerDeg = 3.14159265358979323846 / 180;
 
 struct CalibrateArguments {
-  std::string recording, out;
+  std::vector<std::string> recordings, models, cameras;
+  std::string out;
   ReportFiles report;
-  std::vector<std::string> models, cameras;
   double similarity_max_deg = 60;
+  IntrinsicSigmas sigmas;
+  double bar_sigma_mm = 0.1;
+  bool keeps_intrinsics = false;
 };
 
-/// The cameras and models that the command line names, and their bars in the recording.
+/// What is known of a camera beforehand.
+base::Result<IntrinsicPrior> Prior(const CalibrateArguments& arguments, std::size_t which,
+                                   const optics::CameraModel& camera) {
+  if (arguments.keeps_intrinsics) return IntrinsicPrior{};
+  return LoadPrior(arguments.cameras[which], arguments.sigmas, camera);
+}
+
+/// The bars of one recording.
+base::Result<void> Search(const CalibrateArguments& arguments, std::size_t which,
+                          const std::vector<identify::Model>& models, CalibrationInput& input) {
+  auto reader = PairReader::Open(arguments.recordings[which], ImageSize::Of(input.left, arguments.cameras[0]),
+                                 ImageSize::Of(input.right, arguments.cameras[1]));
+  if (!reader) return reader.error();
+  BarFinder finder(input.left, input.right, models);
+  Progress progress("bars", reader->Pairs());
+  for (;;) {
+    const auto pair = reader->Next();
+    if (!pair) return pair.error();
+    if (!pair->has_value()) return {};
+    finder.Search(**pair);
+    const std::size_t first = input.bars.size();
+    finder.AppendBars(input.bars);
+    for (std::size_t i = first; i < input.bars.size(); ++i)
+      input.bars[i].recording = static_cast<std::uint16_t>(which);
+    progress.Step();
+  }
+}
+
+/// The cameras and models that the command line names, and their bars in the recordings.
 base::Result<CalibrationInput> Gather(const CalibrateArguments& arguments) {
   const auto left = optics::LoadCamera(arguments.cameras[0]);
   if (!left) return left.error();
   const auto right = optics::LoadCamera(arguments.cameras[1]);
   if (!right) return right.error();
-  CalibrationInput input{arguments.recording, *left, *right, {}, {}};
+  const auto left_prior = Prior(arguments, 0, *left);
+  if (!left_prior) return left_prior.error();
+  const auto right_prior = Prior(arguments, 1, *right);
+  if (!right_prior) return right_prior.error();
+  CalibrationInput input;
+  input.recordings = arguments.recordings;
+  input.left = *left, input.right = *right;
+  input.left_prior = *left_prior, input.right_prior = *right_prior;
+  input.bar_sigma_m = arguments.bar_sigma_mm * 1e-3;
   const auto models = LoadModels(arguments.models);
   if (!models) return models.error();
   for (const identify::Model& model : *models) input.targets.push_back(model.target);
-  auto reader = PairReader::Open(arguments.recording, ImageSize::Of(*left, arguments.cameras[0]),
-                                 ImageSize::Of(*right, arguments.cameras[1]));
-  if (!reader) return reader.error();
-  BarFinder finder(*left, *right, *models);
-  Progress progress("bars", reader->Pairs());
-  for (;;) {
-    const auto pair = reader->Next();
-    if (!pair) return pair.error();
-    if (!pair->has_value()) return input;
-    finder.Search(**pair);
-    finder.AppendBars(input.bars);
-    progress.Step();
+  for (std::size_t i = 0; i < arguments.recordings.size(); ++i) {
+    if (auto searched = Search(arguments, i, *models, input); !searched) return searched.error();
   }
+  return input;
 }
 
 std::vector<ReportFact> QualityFacts(const CalibrationQuality& quality) {
@@ -69,6 +100,16 @@ std::vector<ReportFact> QualityFacts(const CalibrationQuality& quality) {
           {"farthest_m", "to", ReportNumber(quality.farthest_m, 1), "m"}};
 }
 
+std::string Joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+ReportVerdict VerdictOf(const Calibration& calibration) {
+  return calibration.verdict == Verdict::kGood ? ReportVerdict::kGood : ReportVerdict::kCaution;
+}
+
 int RunCalibrate(const CalibrateArguments& arguments) {
   const auto input = Gather(arguments);
   if (!input) return Fail("calibrate", input.error());
@@ -78,12 +119,39 @@ int RunCalibrate(const CalibrateArguments& arguments) {
   if (!calibration) return Fail("calibrate", calibration.error());
   if (auto written = linux::WriteFileAtomically(arguments.out, FormatCalibration(*calibration)); !written)
     return Fail("calibrate", written.error());
-  const CalibrationPicture picture{arguments.recording, calibration->rig, input->targets, input->bars,
-                                   QualityFacts(calibration->quality)};
+  const CalibrationPicture picture{Joined(arguments.recordings),
+                                   calibration->rig,
+                                   input->targets,
+                                   calibration->bars,
+                                   QualityFacts(calibration->quality),
+                                   VerdictOf(*calibration),
+                                   calibration->reservations};
   if (auto written = WriteReport(MakeCalibrateReport(picture), arguments.report); !written)
     return Fail("calibrate", written.error());
-  std::cout << Summary(calibration->quality);
+  std::cout << Summary(*calibration) << WrongPairs(*calibration, *input) << VerdictText(*calibration);
   return 0;
+}
+
+/// What may be wrong beforehand.
+void AddPriors(CLI::App& command, CalibrateArguments& arguments) {
+  command
+      .add_option("--focal-sigma-pct", arguments.sigmas.focal_pct,
+                  "what the focal length may be wrong by (1 sigma), if the camera file does not say")
+      ->check(CLI::Range(0.0, 5.0))
+      ->capture_default_str();
+  command.add_option("--centre-sigma-px", arguments.sigmas.centre_px, "the principal point, likewise")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  command
+      .add_option("--distortion-sigma-px", arguments.sigmas.distortion_px,
+                  "the distortion in the image's corner, likewise")
+      ->check(CLI::Range(0.0, 50.0))
+      ->capture_default_str();
+  command
+      .add_option("--bar-sigma-mm", arguments.bar_sigma_mm, "what a bar's length may be wrong by (1 sigma)")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  command.add_flag("--keep-intrinsics", arguments.keeps_intrinsics, "take the camera files as exact");
 }
 
 }  // namespace
@@ -91,7 +159,10 @@ int RunCalibrate(const CalibrateArguments& arguments) {
 void AddCalibrate(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("calibrate", "a rig file from a recording of a waved bar");
   auto arguments = std::make_shared<CalibrateArguments>();
-  command->add_option("--recording", arguments->recording, "folder in EuRoC layout")->required();
+  command->add_option("--recording", arguments->recordings, "folder in EuRoC layout; several are allowed")
+      ->required()
+      ->expected(1)
+      ->take_all();
   command->add_option("--model", arguments->models, "model of a bar in it; several are allowed")
       ->required()
       ->expected(1)
@@ -108,6 +179,7 @@ void AddCalibrate(CLI::App& app, int& exit_code) {
                    "how far a bar's directions in both images may differ")
       ->check(CLI::Range(1.0, 180.0))
       ->capture_default_str();
+  AddPriors(*command, *arguments);
   command->callback([arguments, &exit_code] {
     if (arguments->cameras.size() != 2) {
       exit_code = Fail("calibrate", {base::ErrorCode::kUsage, "--camera",

@@ -1,13 +1,13 @@
 #include "host/calibration.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <set>
 #include <utility>
 
-#include "host/bundle.h"
+#include "host/calibration_fit.h"
+#include "host/calibration_verdict.h"
 #include "host/essential.h"
 #include "host/pair_consensus.h"
 
@@ -17,22 +17,12 @@ namespace {
 using base::Error;
 using base::ErrorCode;
 
-// chi2 of a right bar: 16 residuals, 5 parameters of its own. Median and 99.9 % of 11 degrees of freedom.
-constexpr double kChi2Median = 10.34, kChi2Max = 31.3;
-constexpr double kSigma0Min = 0.1;  // centroids ten times better than promised are exact ones
-constexpr int kRejectRounds = 4;
 constexpr double kCoverageMinPct = 10;  // 5 of 48 cells: a bar that stays in one place touches fewer
-// Beyond these a rig is of no use at any distance: 1 mrad is 0.25 m at 50 m from a 9 m base.
-constexpr double kYawSigmaMaxRad = 1e-3, kBaselineSigmaMax = 0.02;
 
 Error Refusal(const CalibrationInput& input, const std::string& detail) {
-  return {ErrorCode::kFailed, input.name, detail};
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const std::size_t more = input.recordings.size() - 1;
+  return {ErrorCode::kFailed,
+          input.recordings.front() + (more > 0 ? " and " + std::to_string(more) + " more" : ""), detail};
 }
 
 RayBar Rays(const CalibrationInput& input, const StereoBar& bar) {
@@ -51,12 +41,26 @@ double MeasuredLengthM(const CalibrationInput& input, const RelativePose& pose, 
   return first && last ? (last->point_l - first->point_l).norm() : std::numeric_limits<double>::quiet_NaN();
 }
 
-std::vector<StereoBar> Similar(const CalibrationInput& input, double angle_max_rad) {
+/// Bars that may be right, and the wrong ones by name.
+struct Sieve {
   std::vector<StereoBar> bars;
+  std::vector<WrongPair> wrong;
+};
+
+WrongPair Wrong(const StereoBar& bar, const std::string& reason) {
+  return {bar.recording, bar.mid_exposure_ns, bar.target, reason};
+}
+
+Sieve Similar(const CalibrationInput& input, double angle_max_rad) {
+  Sieve out;
   for (const StereoBar& bar : input.bars) {
-    if (LooksSimilar(bar, angle_max_rad)) bars.push_back(bar);
+    if (LooksSimilar(bar, angle_max_rad)) {
+      out.bars.push_back(bar);
+    } else {
+      out.wrong.push_back(Wrong(bar, "points another way in the other image"));
+    }
   }
-  return bars;
+  return out;
 }
 
 /// The relative pose with metres: known bar over its mean measured length (seed eq. 4.1), the mean taken over
@@ -83,126 +87,6 @@ std::optional<RelativePose> ScaledPose(const CalibrationInput& input, const Cons
   return pose;
 }
 
-/// Bars that can be placed by `pose`, and their places.
-struct Placed {
-  std::vector<StereoBar> bars;
-  std::vector<BarPlace> places;
-};
-
-Placed Place(const CalibrationInput& input, const RelativePose& pose, const std::vector<StereoBar>& bars) {
-  Placed placed;
-  const BundleInput geometry{input.left, input.right, input.targets, bars};
-  for (const StereoBar& bar : bars) {
-    if (const auto place = PlaceBar(geometry, pose, bar)) {
-      placed.bars.push_back(bar);
-      placed.places.push_back(*place);
-    }
-  }
-  return placed;
-}
-
-/// sigma0 by the median, which wrong pairs do not move.
-double MedianSigma0(const Bundle& bundle) { return std::sqrt(Median(bundle.chi2) / kChi2Median); }
-
-/// Keeps bars within the gate, and of several candidates of one frame and target the best.
-Placed KeepRight(const Placed& placed, const Bundle& bundle) {
-  const double gate = kChi2Max * std::pow(std::max(kSigma0Min, MedianSigma0(bundle)), 2);
-  std::map<std::pair<base::TimeNs, int>, std::size_t> best;
-  for (std::size_t i = 0; i < placed.bars.size(); ++i) {
-    if (!(bundle.chi2[i] <= gate)) continue;
-    const auto [entry, is_new] =
-        best.emplace(std::pair<base::TimeNs, int>{placed.bars[i].mid_exposure_ns, placed.bars[i].target}, i);
-    if (!is_new && bundle.chi2[i] < bundle.chi2[entry->second]) entry->second = i;
-  }
-  Placed kept;
-  for (const auto& [key, i] : best) {
-    kept.bars.push_back(placed.bars[i]);
-    kept.places.push_back(bundle.places[i]);
-  }
-  return kept;
-}
-
-struct Fit {
-  Placed placed;
-  Bundle bundle;
-};
-
-/// Robust adjustment, wrong pairs out, again, until none leaves; then least squares over the right pairs.
-std::optional<Fit> Refine(const CalibrationInput& input, RelativePose pose, Placed placed,
-                          std::size_t bars_min) {
-  for (int round = 0; round < kRejectRounds && placed.bars.size() >= bars_min; ++round) {
-    const BundleInput geometry{input.left, input.right, input.targets, placed.bars};
-    const auto bundle = AdjustBundle(geometry, pose, placed.places, BundleLoss::kRobust);
-    if (!bundle) return std::nullopt;
-    pose = bundle->T_r_l;
-    Placed kept = KeepRight(placed, *bundle);
-    const bool settled = kept.bars.size() == placed.bars.size();
-    placed = std::move(kept);
-    if (settled) break;
-  }
-  if (placed.bars.size() < bars_min) return Fit{placed, {}};
-  const BundleInput geometry{input.left, input.right, input.targets, placed.bars};
-  auto bundle = AdjustBundle(geometry, pose, placed.places, BundleLoss::kLeast);
-  if (!bundle) return std::nullopt;
-  return Fit{std::move(placed), std::move(*bundle)};
-}
-
-double CoveragePct(const std::vector<StereoBar>& bars, const optics::CameraModel& camera,
-                   BarView StereoBar::*side) {
-  constexpr int kColumns = 8, kRows = 6;
-  std::array<bool, kColumns * kRows> touched{};
-  for (const StereoBar& bar : bars) {
-    for (const LedView& led : bar.*side) {
-      const int column = static_cast<int>((led.ideal_px.x() + 0.5) / camera.width_px * kColumns);
-      const int row = static_cast<int>((led.ideal_px.y() + 0.5) / camera.height_px * kRows);
-      touched[static_cast<std::size_t>(std::clamp(row, 0, kRows - 1) * kColumns +
-                                       std::clamp(column, 0, kColumns - 1))] = true;
-    }
-  }
-  return 100.0 * static_cast<double>(std::count(touched.begin(), touched.end(), true)) / touched.size();
-}
-
-void MeasureBars(const CalibrationInput& input, const Fit& fit, CalibrationQuality& quality) {
-  double error_px2 = 0, sum_m = 0, squares_m2 = 0;
-  quality.nearest_m = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < fit.placed.bars.size(); ++i) {
-    const StereoBar& bar = fit.placed.bars[i];
-    const double miss_m = MeasuredLengthM(input, fit.bundle.T_r_l, bar) - input.targets[bar.target].LengthM();
-    sum_m += miss_m;
-    squares_m2 += miss_m * miss_m;
-    error_px2 += fit.bundle.error_px2[i];
-    const double distance_m = fit.bundle.places[i].centre_l_m.norm();
-    quality.nearest_m = std::min(quality.nearest_m, distance_m);
-    quality.farthest_m = std::max(quality.farthest_m, distance_m);
-  }
-  const auto count = static_cast<double>(fit.placed.bars.size());
-  quality.rms_px = std::sqrt(error_px2 / (16 * count));  // 4 LEDs, 2 images, 2 coordinates
-  quality.bar_bias_m = sum_m / count;
-  quality.bar_rms_m = std::sqrt(squares_m2 / count);
-}
-
-Calibration Conclude(const CalibrationInput& input, const Fit& fit) {
-  Calibration out;
-  out.rig = {input.left, input.right, fit.bundle.T_r_l, ""};
-  CalibrationQuality& quality = out.quality;
-  quality.bars_used = fit.placed.bars.size();
-  double chi2 = 0;
-  for (const double bar_chi2 : fit.bundle.chi2) chi2 += bar_chi2;
-  quality.sigma0 = std::sqrt(chi2 / (11.0 * static_cast<double>(quality.bars_used) - 6.0));
-  out.covariance = *fit.bundle.covariance * std::max(1.0, quality.sigma0 * quality.sigma0);
-  MeasureBars(input, fit, quality);
-  const Eigen::Vector3d t = fit.bundle.T_r_l.translation_m;
-  quality.baseline_m = t.norm();
-  quality.baseline_sigma_m =
-      std::sqrt(t.normalized().dot(out.covariance.bottomRightCorner<3, 3>() * t.normalized()));
-  quality.sigma_rad = out.covariance.diagonal().head<3>().cwiseSqrt();
-  quality.coverage_left_pct = CoveragePct(fit.placed.bars, input.left, &StereoBar::left);
-  quality.coverage_right_pct = CoveragePct(fit.placed.bars, input.right, &StereoBar::right);
-  for (const StereoBar& bar : fit.placed.bars)
-    out.newest_bar_ns = std::max(out.newest_bar_ns, bar.mid_exposure_ns);
-  return out;
-}
-
 std::string TooFew(std::size_t found, std::size_t wanted, const std::string& what) {
   return std::to_string(found) + " " + what + "; at least " + std::to_string(wanted) +
          " are needed: wave the bar longer, in view of both cameras";
@@ -219,43 +103,16 @@ std::string Concentrated(const CalibrationInput& input, const std::vector<Stereo
          "'s image; at least 10 % are needed: wave the bar through the whole of both images, near and far";
 }
 
-base::Result<Calibration> Judged(const CalibrationInput& input, Calibration calibration) {
-  const CalibrationQuality& q = calibration.quality;
-  if (!(q.sigma_rad.y() < kYawSigmaMaxRad) || !(q.baseline_sigma_m < kBaselineSigmaMax * q.baseline_m)) {
-    return Refusal(input, "the bars are too concentrated to hold the relative pose: yaw stays uncertain by " +
-                              std::to_string(q.sigma_rad.y() * 1e3) + " mrad (at most 1), the baseline by " +
-                              std::to_string(q.baseline_sigma_m) +
-                              " m (at most 2 %); wave the bar through "
-                              "the whole of both images, near and far");
-  }
-  const double right_x_m = calibration.rig.T_r_l.Inverse().translation_m.x();
-  if (!(right_x_m > 0)) {
-    return Refusal(input, "finds cam1 at x = " + std::to_string(right_x_m) +
-                              " m, left of cam0; exchange the cameras: cam0 must be the left one");
-  }
-  return calibration;
-}
+/// The bars of one epipolar geometry, and the rig that they start the adjustment from.
+struct Start {
+  std::vector<StereoBar> bars;
+  RelativePose T_r_l;
+};
 
-}  // namespace
-
-base::Result<Calibration> Calibrate(const CalibrationInput& input, const CalibrationOptions& options) {
-  if (input.bars.empty()) {
-    return Refusal(input, TooFew(0, options.bars_min, "bars identified in both images"));
-  }
-  std::map<std::pair<base::TimeNs, int>, int> seen;
-  for (const StereoBar& bar : input.bars) ++seen[{bar.mid_exposure_ns, bar.target}];
-  if (seen.size() < options.bars_min) {
-    return Refusal(input, TooFew(seen.size(), options.bars_min, "bars identified in both images"));
-  }
-  const std::vector<StereoBar> similar = Similar(input, options.similarity_max_rad);
-  if (similar.size() < options.bars_min) {
-    return Refusal(input,
-                   TooFew(similar.size(), options.bars_min,
-                          "bars have a similar direction in both images (a mirrored or turned image?)"));
-  }
-  if (const std::string reason = Concentrated(input, similar); !reason.empty()) return Refusal(input, reason);
+base::Result<Start> FindStart(const CalibrationInput& input, const CalibrationOptions& options,
+                              Sieve& sieve) {
   std::vector<RayBar> rays;
-  for (const StereoBar& bar : similar) rays.push_back(Rays(input, bar));
+  for (const StereoBar& bar : sieve.bars) rays.push_back(Rays(input, bar));
   const double focal_px =
       0.25 * (input.left.fu_px + input.left.fv_px + input.right.fu_px + input.right.fv_px);
   const auto consensus = FindConsensus(rays, focal_px, {});
@@ -263,25 +120,105 @@ base::Result<Calibration> Calibrate(const CalibrationInput& input, const Calibra
     return Refusal(input, TooFew(consensus ? consensus->bars.size() : 0, options.bars_min,
                                  "bars agree on one epipolar geometry"));
   }
-  const auto start = ScaledPose(input, *consensus, similar);
-  if (!start)
+  const auto pose = ScaledPose(input, *consensus, sieve.bars);
+  if (!pose)
     return Refusal(input, "no relative pose has the bars in front of both cameras; is one image mirrored?");
-  std::vector<StereoBar> agreed;
-  for (const std::size_t i : consensus->bars) agreed.push_back(similar[i]);
-  const auto fit = Refine(input, *start, Place(input, *start, agreed), options.bars_min);
+  Start start{{}, *pose};
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < sieve.bars.size(); ++i) {
+    if (next < consensus->bars.size() && consensus->bars[next] == i) {
+      start.bars.push_back(sieve.bars[i]);
+      ++next;
+    } else {
+      sieve.wrong.push_back(Wrong(sieve.bars[i], "off the epipolar lines"));
+    }
+  }
+  return start;
+}
+
+/// Every n-th frame and target is held out, with all its candidates, if enough stay.
+void HoldOutSome(const CalibrationOptions& options, std::vector<StereoBar>& bars,
+                 std::vector<StereoBar>& held_out) {
+  std::set<BarKey> keys;
+  for (const StereoBar& bar : bars) keys.insert(KeyOf(bar));
+  const std::size_t every = options.hold_out_every;
+  if (every == 0 || keys.size() - keys.size() / every < options.bars_min) return;
+  std::set<BarKey> held;
+  std::size_t count = 0;
+  for (const BarKey& key : keys) {
+    if (++count % every == 0) held.insert(key);
+  }
+  const auto first = std::stable_partition(
+      bars.begin(), bars.end(), [&held](const StereoBar& bar) { return held.count(KeyOf(bar)) == 0; });
+  held_out.assign(first, bars.end());
+  bars.erase(first, bars.end());
+}
+
+/// By time, and a candidate only if no other one of its frame and target was right.
+std::vector<WrongPair> Named(std::vector<WrongPair> wrong, const std::vector<StereoBar>& right) {
+  std::set<BarKey> found;
+  for (const StereoBar& bar : right) found.insert(KeyOf(bar));
+  const auto key = [](const WrongPair& pair) {
+    return BarKey{static_cast<std::uint16_t>(pair.recording), pair.mid_exposure_ns,
+                  static_cast<std::uint8_t>(pair.target)};
+  };
+  wrong.erase(std::remove_if(wrong.begin(), wrong.end(),
+                             [&](const WrongPair& pair) { return found.count(key(pair)) > 0; }),
+              wrong.end());
+  std::stable_sort(wrong.begin(), wrong.end(),
+                   [&](const WrongPair& a, const WrongPair& b) { return key(a) < key(b); });
+  return wrong;
+}
+
+/// Similar bars, or why there are too few.
+base::Result<Sieve> Screen(const CalibrationInput& input, const CalibrationOptions& options,
+                           std::size_t bars_seen) {
+  if (bars_seen < options.bars_min)
+    return Refusal(input, TooFew(bars_seen, options.bars_min, "bars identified in both images"));
+  Sieve similar = Similar(input, options.similarity_max_rad);
+  if (similar.bars.size() < options.bars_min) {
+    return Refusal(input,
+                   TooFew(similar.bars.size(), options.bars_min,
+                          "bars have a similar direction in both images (a mirrored or turned image?)"));
+  }
+  if (const std::string reason = Concentrated(input, similar.bars); !reason.empty())
+    return Refusal(input, reason);
+  return similar;
+}
+
+}  // namespace
+
+base::Result<Calibration> Calibrate(const CalibrationInput& input, const CalibrationOptions& options) {
+  std::set<BarKey> seen;
+  for (const StereoBar& bar : input.bars) seen.insert(KeyOf(bar));
+  auto sieve = Screen(input, options, seen.size());
+  if (!sieve) return sieve.error();
+  auto start = FindStart(input, options, *sieve);
+  if (!start) return start.error();
+  std::vector<StereoBar> held_out;
+  HoldOutSome(options, start->bars, held_out);
+  const BundleSetting setting{
+      input.left, input.right, input.left_prior, input.right_prior, input.targets, input.bar_sigma_m, 1};
+  const auto fit = FitCalibration(
+      setting, Place(setting, {input.left, input.right, start->T_r_l, ""}, start->bars, input.points),
+      options.bars_min);
   if (!fit)
     return Refusal(input,
                    "the bundle adjustment does not converge: do the camera files belong to these cameras, "
                    "the models to these bars?");
-  if (fit->placed.bars.size() < options.bars_min) {
-    return Refusal(input, TooFew(fit->placed.bars.size(), options.bars_min, "bars fit one relative pose"));
-  }
+  if (fit->bars.size() < options.bars_min)
+    return Refusal(input, TooFew(fit->bars.size(), options.bars_min, "bars fit one relative pose"));
   if (!fit->bundle.covariance) {
     return Refusal(input, "the bars leave the relative pose undetermined; move the bar through the volume");
   }
-  Calibration calibration = Conclude(input, *fit);
+  Calibration calibration = Conclude(input, *fit, held_out);
   calibration.quality.bars_seen = seen.size();
-  return Judged(input, std::move(calibration));
+  if (const std::string reason = Refuses(calibration); !reason.empty()) return Refusal(input, reason);
+  for (const StereoBar& bar : fit->misfits) sieve->wrong.push_back(Wrong(bar, "fits no place of the bar"));
+  calibration.wrong = Named(std::move(sieve->wrong), fit->bars);
+  calibration.reservations = Reservations(calibration);
+  calibration.verdict = calibration.reservations.empty() ? Verdict::kGood : Verdict::kUsable;
+  return calibration;
 }
 
 }  // namespace adit::host

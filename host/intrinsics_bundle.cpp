@@ -100,12 +100,6 @@ void MeasureView(const BoardView& view, const IntrinsicVector& intrinsics,
 
 }  // namespace
 
-IntrinsicVector Intrinsics(const optics::CameraModel& camera) {
-  IntrinsicVector all;
-  all << camera.fu_px, camera.fv_px, camera.cu_px, camera.cv_px, camera.k1, camera.k2, camera.p1, camera.p2;
-  return all;
-}
-
 IntrinsicMatrix IntrinsicsBundle::Information() const {
   IntrinsicMatrix sum = IntrinsicMatrix::Zero();
   for (const ImageShare& share : shares) sum += share.information;
@@ -133,8 +127,7 @@ std::optional<IntrinsicsBundle> AdjustIntrinsics(std::span<const BoardView> view
   if (!summary.IsSolutionUsable() || !p.intrinsics.allFinite()) return std::nullopt;
 
   IntrinsicsBundle out;
-  const IntrinsicVector& k = p.intrinsics;
-  out.camera = {k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7], start.width_px, start.height_px};
+  out.camera = CameraOf(p.intrinsics, start);
   for (std::size_t i = 0; i < views.size(); ++i) {
     out.poses.push_back(
         {Eigen::Map<Eigen::Vector3d>(p.poses[i].data()), Eigen::Map<Eigen::Vector3d>(p.poses[i].data() + 3)});

@@ -10,17 +10,9 @@
 
 #include "firmware/optics/camera_model.h"
 #include "host/board_finder.h"
+#include "host/intrinsic_parameters.h"
 
 namespace adit::host {
-
-constexpr int kIntrinsics = 8;
-/// Their order wherever they stand in a row: files, covariance, tables. fu, fv, cu, cv are in pixels.
-constexpr std::array<const char*, kIntrinsics> kIntrinsicNames{"fu", "fv", "cu", "cv",
-                                                               "k1", "k2", "p1", "p2"};
-using IntrinsicVector = Eigen::Matrix<double, kIntrinsics, 1>;
-using IntrinsicMatrix = Eigen::Matrix<double, kIntrinsics, kIntrinsics>;
-
-IntrinsicVector Intrinsics(const optics::CameraModel& camera);
 
 /// Maps a point of the board (m, z = 0) into the camera's frame.
 struct BoardPose {

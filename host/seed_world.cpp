@@ -93,6 +93,7 @@ StereoBar StereoBarOf(const optics::Rig& rig, const BarPixels& pixels, double no
     for (std::size_t i = 0; i < base::kLedCount; ++i) {
       LedView& view = (side == 0 ? bar.left : bar.right)[i];
       Eigen::Matrix2d slope;
+      view.raw_px = pixels[side][i];
       view.ideal_px = IdealPx(side == 0 ? rig.left : rig.right, pixels[side][i], slope);
       view.covariance_px2 = noise_px * noise_px * slope * slope.transpose();
     }

@@ -12,8 +12,9 @@ namespace adit::host {
 
 /// One LED in one image.
 struct LedView {
-  Eigen::Vector2d ideal_px = Eigen::Vector2d::Zero();  ///< centroid, undistorted
-  Eigen::Matrix2d covariance_px2 = Eigen::Matrix2d::Identity();
+  Eigen::Vector2d raw_px = Eigen::Vector2d::Zero();              ///< centroid in the image as taken
+  Eigen::Vector2d ideal_px = Eigen::Vector2d::Zero();            ///< undistorted with the camera file
+  Eigen::Matrix2d covariance_px2 = Eigen::Matrix2d::Identity();  ///< of ideal_px
 };
 
 using BarView = std::array<LedView, base::kLedCount>;  ///< LED 1 to LED 4
@@ -24,6 +25,13 @@ struct StereoBar {
   base::TimeNs mid_exposure_ns = 0;
   std::uint8_t target = 0;  ///< index into the target list
   BarView left, right;
+  std::uint16_t recording = 0;  ///< index into the recordings
+};
+
+/// A lamp or LED at rest that both cameras saw, its place unknown; averaged over the frames.
+struct StereoPoint {
+  LedView left, right;
+  std::uint16_t recording = 0;  ///< index into the recordings
 };
 
 }  // namespace adit::host

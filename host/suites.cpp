@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "host/calibration_suite.h"
 #include "host/failure.h"
 #include "host/seed_suite.h"
 #include "host/underground.h"
@@ -15,7 +16,8 @@ struct Suite {
   int (*run)(const SuiteOrder&);
 };
 
-constexpr std::array kSuites{Suite{"seed", RunSeed}, Suite{"underground", RunUnderground}};
+constexpr std::array kSuites{Suite{"seed", RunSeed}, Suite{"underground", RunUnderground},
+                             Suite{"calibration", RunCalibrationSuite}};
 
 }  // namespace
 

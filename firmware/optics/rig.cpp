@@ -161,6 +161,42 @@ std::string FormatCamera(const CameraModel& camera) {
   return text.str();
 }
 
+base::Result<std::optional<RigCovariance>> LoadRigCovariance(const std::string& path) {
+  auto in = YamlReader::OpenFile(path);
+  if (!in) return in.error();
+  const char* const key = "covariance";
+  if (!in->Has(key)) return std::optional<RigCovariance>{};
+  const auto values = in->Matrix(key, kRigParameters, kRigParameters);
+  for (const std::string& other : in->Keys()) in->Ignore(other);
+  RigCovariance covariance = RigCovariance::Zero();
+  if (in->Ok()) {
+    covariance = Eigen::Map<const Eigen::Matrix<double, kRigParameters, kRigParameters, Eigen::RowMajor>>(
+        values.data());
+    const Eigen::VectorXd sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
+    constexpr double kRounding = 1e-8;  // twelve digits are written
+    const RigCovariance skew = covariance - covariance.transpose();
+    if (!(covariance.diagonal().minCoeff() >= 0) ||
+        !(skew.cwiseAbs().array() <= kRounding * (sigma * sigma.transpose()).array()).all())
+      in->Refuse(key, "is no covariance: it must be symmetric, without negative variances");
+  }
+  if (auto done = in->Finish(); !done) return done.error();
+  return std::optional<RigCovariance>{covariance};
+}
+
+std::string FormatRigCovariance(const RigCovariance& covariance) {
+  std::ostringstream text;
+  text << "covariance:  # of rotation vector (rad) and translation (m) in cam1's frame, then fu, fv, cu, cv "
+          "(px),\n"
+       << "             # k1, k2, p1, p2 of cam0 and of cam1\n"
+       << std::setprecision(12);
+  for (Eigen::Index r = 0; r < covariance.rows(); ++r) {
+    text << "  - [";
+    for (Eigen::Index c = 0; c < covariance.cols(); ++c) text << (c == 0 ? "" : ", ") << covariance(r, c);
+    text << "]\n";
+  }
+  return text.str();
+}
+
 base::Result<Rig> LoadRig(const std::string& path) {
   auto in = YamlReader::OpenFile(path);
   if (!in) return in.error();
@@ -175,7 +211,7 @@ base::Result<Rig> LoadRig(const std::string& path) {
   if (rig.calibration_id.find_first_of(",\"\\\n\r\t") != std::string::npos)
     in->Refuse("calibration_id", "must not hold commas, quotes, backslashes, tabs or line ends");
   // Kalibr's own extras, and adit's that say how the calibration came about.
-  for (const char* key : {"time", "covariance", "quality"}) in->Ignore(key);
+  for (const char* key : {"time", "covariance", "quality", "verdict"}) in->Ignore(key);
   for (YamlReader* camera : {&cam0, &cam1}) {
     for (const char* key : {"rostopic", "cam_overlaps", "timeshift_cam_imu", "T_cam_imu"})
       camera->Ignore(key);

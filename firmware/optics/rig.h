@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 
 #include "firmware/base/pose.h"
@@ -9,6 +10,12 @@
 #include "firmware/optics/camera_model.h"
 
 namespace adit::optics {
+
+/// What a calibration does not know exactly, in this order wherever it stands in a row: rotation vector of
+/// exp(w) R (right camera's frame, rad), translation (m), then fu, fv, cu, cv (px), k1, k2, p1, p2 of the
+/// left camera and of the right one.
+constexpr int kRigParameters = 22;
+using RigCovariance = Eigen::Matrix<double, kRigParameters, kRigParameters>;
 
 /// A stereo rig. The rig frame b is the left camera's frame.
 struct Rig {
@@ -28,6 +35,12 @@ struct Rig {
 base::Result<CameraModel> LoadCamera(const std::string& path);
 /// The same as EuRoC `sensor.yaml` text.
 std::string FormatCamera(const CameraModel& camera);
+
+/// Reads the key `covariance` of a rig file; empty if there is none. Refuses one that is not 22 x 22 and
+/// symmetric, and negative variances.
+base::Result<std::optional<RigCovariance>> LoadRigCovariance(const std::string& path);
+/// The key as text.
+std::string FormatRigCovariance(const RigCovariance& covariance);
 
 /// Reads a Kalibr camchain with adit's keys. Refuses a missing or non-orthonormal T_cn_cnm1, a baseline
 /// outside 0.1 to 50 m, or a right camera that does not stand to the right of the left one (a wrong baseline

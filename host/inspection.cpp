@@ -105,7 +105,7 @@ std::string Explain(stereo::LossReason reason) {
     case stereo::LossReason::kNoFrame:
       return "a camera delivered no usable image";
     case stereo::LossReason::kNotSeen:
-      return "no four blobs in the left image have its spacing";
+      return "no four blobs in the left image have its spacing, nor three in both";
     case stereo::LossReason::kNoCorrespondence:
       return "an LED has no blob on its epipolar line in the right image";
     case stereo::LossReason::kDistances:
@@ -114,6 +114,10 @@ std::string Explain(stereo::LossReason reason) {
       return "several places pass equally well";
     case stereo::LossReason::kGeometry:
       return "the rays do not meet in front of both cameras";
+    case stereo::LossReason::kOneBar:
+      return "one bar of the body is seen: its roll is open";
+    case stereo::LossReason::kJump:
+      return "it is not where the track allows, and was not yet seen there twice";
   }
   return "?";
 }

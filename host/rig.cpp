@@ -11,7 +11,6 @@
 #include "drivers/linux/atomic_file.h"
 #include "firmware/base/yaml.h"
 #include "firmware/optics/rig.h"
-#include "firmware/optics/rig_covariance.h"
 #include "host/failure.h"
 #include "host/provenance.h"
 
@@ -77,7 +76,8 @@ base::Result<std::string> CorrectedRig(const std::string& path, const CameraTurn
     Eigen::Matrix<double, 6, 3> by_turn;
     by_turn << Eigen::Matrix3d::Identity(), -base::Skew(rig->T_r_l.translation_m);
     const Eigen::Matrix3d added = turn.sigma_rad.cwiseAbs2().asDiagonal();
-    text << optics::FormatRigCovariance(**covariance + by_turn * added * by_turn.transpose());
+    (*covariance)->topLeftCorner<6, 6>() += by_turn * added * by_turn.transpose();
+    text << optics::FormatRigCovariance(**covariance);
   }
   text << "quality:\n  corrected_from: " << base::Quoted(from) << std::setprecision(9) << "\n  turn_rad: ["
        << turn.turn_rad.x() << ", " << turn.turn_rad.y() << ", " << turn.turn_rad.z() << "]\n";

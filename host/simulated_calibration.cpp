@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 using Eigen::Vector4d;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kWidthPx = 1400, kHeightPx = 1024, kFocalPx = 3378, kBorderPx = 6;
+constexpr double kWidthPx = 1400, kHeightPx = 1024, kFocalPx = 3378, kMarginPx = 6;
 constexpr base::TimeNs kFrameNs = 16'666'667;
 
 /// Pinhole with Brown's distortion.
@@ -25,8 +25,8 @@ Vector2d Pixel(const IntrinsicVector& k, const Vector3d& p) {
 }
 
 bool Inside(const Vector2d& px) {
-  return px.x() > kBorderPx && px.y() > kBorderPx && px.x() < kWidthPx - kBorderPx &&
-         px.y() < kHeightPx - kBorderPx;
+  return px.x() > kMarginPx && px.y() > kMarginPx && px.x() < kWidthPx - kMarginPx &&
+         px.y() < kHeightPx - kMarginPx;
 }
 
 optics::CameraModel Model(const IntrinsicVector& k) {

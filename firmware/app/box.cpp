@@ -7,7 +7,6 @@
 
 #include "firmware/georef/absolute_orientation.h"
 #include "firmware/identify/model.h"
-#include "firmware/optics/rig_covariance.h"
 
 #ifndef ADIT_VERSION
 #error "the build defines ADIT_VERSION"
@@ -105,8 +104,9 @@ base::Result<std::unique_ptr<CalibrationWatch>> MakeWatch(const config::BoxConfi
   options.rate_hz = config.cameras.rate_hz;
   options.learn_s = static_cast<int>(config.watch.learn_s);
   options.shift_sigma_m = config.watch.shift_mm * 1e-3;
-  return std::make_unique<CalibrationWatch>(rig, targets, options,
-                                            covariance->value_or(CoarseCovariance(rig)));
+  const watch::MotionMatrix believed =
+      *covariance ? watch::MotionMatrix((*covariance)->topLeftCorner<6, 6>()) : CoarseCovariance(rig);
+  return std::make_unique<CalibrationWatch>(rig, targets, options, believed);
 }
 
 base::DurationNs Nanoseconds(double seconds) {

@@ -38,7 +38,7 @@ void ReadCovariance(YamlReader& in, const std::string& key, Eigen::Matrix<double
   const auto rows = in.Matrix(key, 6, 6);
   if (!in.Ok()) return;
   covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(rows.data());
-  constexpr double kRounding = 1e-8;  // relative; a covariance of 9 digits is symmetric this well
+  constexpr double kRounding = 1e-9;  // relative; a covariance of 17 digits is symmetric this well
   const double rounding = kRounding * covariance.cwiseAbs().maxCoeff();
   if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > rounding)
     return in.Refuse(key, "is not symmetric");

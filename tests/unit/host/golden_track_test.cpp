@@ -32,11 +32,10 @@ std::string TrackGolden() {
   const adit::tests::ScratchFolder scratch;
   const auto simulated = adit::host::Simulate({kFolder + "scene.yaml", scratch / "rec", {}, {}});
   CHECK_FALSE(!simulated);
-  const auto track =
-      adit::host::ReplayRecording({scratch / "rec",
-                                   scratch / "rec/rig_true.yaml",
-                                   {WriteModel(scratch, "bar_c"), WriteModel(scratch, "bar_d")},
-                                   ""});
+  adit::host::ReplayOrder order;
+  order.recording = scratch / "rec", order.rig = scratch / "rec/rig_true.yaml";
+  order.models = {WriteModel(scratch, "bar_c"), WriteModel(scratch, "bar_d")};
+  const auto track = adit::host::ReplayRecording(order);
   CHECK_FALSE(!track);
   return track->text;
 }

@@ -95,12 +95,14 @@ const SearchPlan& SearchPlanner::Next(const stereo::PointSet& points, const trac
       followed += follows ? 1 : 0;
       entered = entered || !follows;
     } else {
+      entered = entered || (target.status == stereo::FixStatus::kRecovered && believed);
       lost = lost || trails_[target.target].seen_ns != base::kNever;
       trails_[target.target].seen_ns = base::kNever;
     }
   }
   const int apart = followed == points.targets.size() ? kPairsApartFollowed : kPairsApartMissing;
-  // One sight tells no speed, hence no window: without a second one at once the target would be lost again.
+  // One sight tells no speed, and a bar with hidden LEDs not where each of them comes back: no window then,
+  // and without a whole search at once the target would be lost again.
   plan_.whole = followed == 0 || lost || entered || pairs_since_whole_ >= apart;
   return plan_;
 }

@@ -1,1 +1,1 @@
-adit_fuzz(track_row ROUNDS 10000 DEPENDS adit_pipeline)
+adit_fuzz(track_row CHAIN ROUNDS 10000 DEPENDS adit_pipeline)

@@ -169,7 +169,7 @@ TEST(RigFile, NamesEachMissingKey) {
 TEST(RigFile, RefusesAnUnknownKeyAndListsTheKnown) {
   STRCMP_EQUAL(
       "f.yaml: calibration: is not known here; known: calibration_id, cam0, cam1, covariance, "
-      "quality, time",
+      "quality, time, verdict",
       RigComplaint(FormatRig(TunnelRig()) + "calibration: 3\n").c_str());
 }
 

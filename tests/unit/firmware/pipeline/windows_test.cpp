@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "firmware/pipeline/pipeline.h"
@@ -50,14 +51,16 @@ TEST_GROUP(SearchInWindows) {
   Line with{rig.AsRig(), models, true}, without{rig.AsRig(), models, false};
   int pair = 0;
   std::array<int, 2> pairs_late{};
-  int longest_late = 0;  ///< pairs in a row in which only the whole search saw a target
+  std::optional<std::size_t> hidden_led;  ///< of the second target
+  int longest_late = 0;                   ///< pairs in a row in which only the whole search saw a target
 
   RenderedImage Render(const SyntheticCamera& camera, const std::vector<SyntheticBar>& bars) {
     RenderedImage image(camera.width_px, camera.height_px);
     image.Background(8);
     for (const SyntheticBar& bar : bars) {
-      for (const double led_m : bar.target.leds_m) {
-        const Eigen::Vector2d at_px = camera.Distorted(*camera.ProjectIdeal(bar.Point(led_m)));
+      for (std::size_t i = 0; i < adit::base::kLedCount; ++i) {
+        if (bar.target.name == targets[1].name && hidden_led == i) continue;
+        const Eigen::Vector2d at_px = camera.Distorted(*camera.ProjectIdeal(bar.Point(bar.target.leds_m[i])));
         image.Add({at_px.x(), at_px.y(), 1.6, 180});
       }
     }
@@ -132,6 +135,17 @@ TEST(SearchInWindows, WhatCameBackStaysFound) {
   for (int k = 0; k < 6; ++k) {
     Next({0, 1});
     CHECK(FixStatus::kTracked == with.StatusOf(1));
+  }
+}
+
+TEST(SearchInWindows, WhatHasAHiddenLedStaysFound) {
+  for (int k = 0; k < 3; ++k) Next({0, 1});
+  hidden_led = 1;
+  for (int k = 0; k < 8; ++k) {
+    Next({0, 1});
+    // The first pair without the LED was searched where it had been.
+    if (k > 0) CHECK(FixStatus::kRecovered == with.StatusOf(1));
+    CHECK(FixStatus::kRecovered == without.StatusOf(1));
   }
 }
 

@@ -65,7 +65,7 @@ std::span<const char> DtrackEncoder::Encode(const georef::GeoFixSet& fixes, cons
              mm.y(), mm.z());
     }
   }
-  Append("\r\n");
+  Append("%s", "\r\n");
   return {text_.data(), size_};
 }
 

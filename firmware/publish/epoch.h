@@ -11,9 +11,10 @@
 namespace adit::publish {
 
 enum class Validity : std::uint8_t {
-  kInvalid = 0,    ///< no position; every value is "not available"
-  kValid = 1,      ///< measured, fresh, within its limits
-  kDegraded = 2,   ///< extrapolated, sigma above its limit, calibration in doubt, or the box is in service
+  kInvalid = 0,  ///< no position; every value is "not available"
+  kValid = 1,    ///< measured, fresh, within its limits
+  kDegraded =
+      2,  ///< extrapolated or rebuilt, sigma above its limit, calibration in doubt, or the box is in service
   kSimulated = 3,  ///< must never move a machine
 };
 
@@ -109,10 +110,10 @@ struct Epoch {
 /// Judges a fix. In order: a fault of kFaultsThatStop, no fix, a lost or old one (older than the limit, or
 /// dated more than kClockSlackNs into the future), a number that is not finite, or a difference from the
 /// origin that does not fit the wire is INVALID and has no values; then simulation is SIMULATED; predicted,
-/// a sigma above the limit, a fault of kFaultsThatDegrade or a box in service is DEGRADED; the rest is VALID.
-/// Without a georeference the site frame is the rig frame: fault bit 5 says so, and an origin other than zero
-/// makes it INVALID, for it would shift coordinates that it does not belong to. `fix` may be null. Any
-/// thread.
+/// recovered, a sigma above the limit, a fault of kFaultsThatDegrade or a box in service is DEGRADED; the
+/// rest is VALID. Without a georeference the site frame is the rig frame: fault bit 5 says so, and an origin
+/// other than zero makes it INVALID, for it would shift coordinates that it does not belong to. `fix` may be
+/// null. Any thread.
 Epoch MakeEpoch(const georef::GeoFix* fix, const BoxCondition& box, const EpochRules& rules,
                 base::TimeNs now_ns);
 

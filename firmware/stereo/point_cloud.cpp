@@ -103,7 +103,8 @@ void PointCloud::Add(const detect::Blob& left, std::uint16_t left_blob, const de
   const double floor_px2 = options_.centroid_floor_px * options_.centroid_floor_px;
   p.noise_px = std::sqrt(std::max(left.covariance_px2.trace(), right.covariance_px2.trace()) / 2 + floor_px2);
   // Both rays turn by the noise; they meet at a small angle.
-  const Vector3d a = *middle, b = *middle - views_[1].CentreM();
+  const Vector3d& a = *middle;
+  const Vector3d b = a - views_[1].CentreM();
   const double sine = a.cross(b).norm() / (a.norm() * b.norm());
   p.range_sigma_m = std::sqrt(2.0) * p.noise_px * a.norm() / (views_[0].fu_px * sine);
   if (!(p.range_sigma_m <= kDepthSigmaMax * a.norm())) return;

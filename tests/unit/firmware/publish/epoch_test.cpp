@@ -42,12 +42,12 @@ TEST(Epoch, ATrackedTargetIsValid) {
   LONGS_EQUAL(0, epoch.faults);
 }
 
-TEST(Epoch, ARecoveredTargetIsValidWhileItsSigmaIsSmall) {
+TEST(Epoch, NoMachineSteersByARecoveredTarget) {
   georef::GeoFix fix = TrackedFix();
   fix.state.points.status = stereo::FixStatus::kRecovered;
-  CHECK(Make(fix).validity == Validity::kValid);
-  fix.covariance_s_m2(2, 2) = 0.021 * 0.021;
-  CHECK(Make(fix).validity == Validity::kDegraded);
+  const Epoch epoch = Make(fix);
+  CHECK(epoch.validity == Validity::kDegraded);
+  CHECK(epoch.position_s_m.has_value());
 }
 
 TEST(Epoch, ACalibrationInDoubtDegradesAndKeepsThePosition) {

@@ -120,7 +120,8 @@ Eigen::Matrix2d SpotMoments::SecondMomentsPx2() const {
 
 Eigen::Vector2d SpotMoments::SigmasPx() const {
   const Eigen::Matrix2d m = SecondMomentsPx2();
-  const double middle = m.trace() / 2, half = std::hypot((m(0, 0) - m(1, 1)) / 2, m(0, 1));
+  const double middle = m.trace() / 2, apart = (m(0, 0) - m(1, 1)) / 2;
+  const double half = std::sqrt(apart * apart + m(0, 1) * m(0, 1));
   return {std::sqrt(middle + half), std::sqrt(std::max(middle - half, 0.0))};
 }
 

@@ -15,7 +15,7 @@ constexpr Run kSentinel{UINT16_MAX, UINT16_MAX, 0, 0, 0};
 Components::Components()
     : scan8_(FastestRowScan(1)),
       scan16_(FastestRowScan(2)),
-      bright_(RowWords(kMaxWidthPx)),
+      lit_(LitWordsRoom(kMaxWidthPx)),
       edges_(RowEdgesRoom(kMaxWidthPx)),
       runs_(kMaxRuns),
       components_(kMaxRuns),
@@ -35,17 +35,17 @@ bool Components::Segment(const base::ImageView& image, const Window& window, int
 bool Components::ReadRows(const base::ImageView& image, const Window& window, int threshold) {
   const RowScan scan = image.BytesPerPixel() == 1 ? scan8_ : scan16_;
   const std::ptrdiff_t left_bytes = std::ptrdiff_t{window.x_min_px} * image.BytesPerPixel();
-  const std::span<const std::uint64_t> bright(bright_.data(), RowWords(window.WidthPx()));
   x_px_ = static_cast<std::uint16_t>(window.x_min_px);
   runs_[0] = kSentinel;  // what is above a row that follows a dark one; and no run has the number 0
   run_count_ = 1;
   std::uint32_t above = 0;
   for (int y = window.y_min_px; y <= window.y_max_px; ++y) {
-    if (!scan(image.Row(y) + left_bytes, window.WidthPx(), threshold, bright_.data())) {
+    const std::size_t lit = scan(image.Row(y) + left_bytes, window.WidthPx(), threshold, lit_.data());
+    if (lit == 0) {
       above = 0;
       continue;
     }
-    const std::size_t edges = RowEdges(bright, edges_.data());
+    const std::size_t edges = RowEdges({lit_.data(), lit}, edges_.data());
     if (run_count_ + edges / 2 + 1 > kMaxRuns) return false;
     const std::uint32_t here = run_count_;
     y_px_ = static_cast<std::uint16_t>(y);

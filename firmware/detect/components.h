@@ -59,7 +59,7 @@ class Components {
 
   RowScan scan8_, scan16_;
   std::uint16_t x_px_ = 0, y_px_ = 0;  ///< of the window's left edge and of the row at hand
-  std::vector<std::uint64_t> bright_;  ///< of the row at hand
+  std::vector<LitWord> lit_;           ///< of the row at hand
   std::vector<std::uint16_t> edges_;   ///< of the row at hand
   std::vector<Run> runs_;              ///< row by row, a sentinel after each
   std::vector<Component> components_;

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstring>
+#include <limits>
 
 #include "firmware/detect/avx2.h"
 
@@ -16,9 +17,25 @@ namespace {
 
 constexpr int kWord = 64;  // pixels
 
+/// Appends words to a row's; a dark one is overwritten by the next. Counted without a branch: where lamps
+/// begin and end no processor guesses.
+class LitWords {
+ public:
+  ADIT_INLINE explicit LitWords(LitWord* to) : to_(to) {}
+  ADIT_INLINE void Add(std::uint64_t bright, int first_px) {
+    to_[count_] = {bright, static_cast<std::uint32_t>(first_px)};
+    count_ += bright != 0 ? 1 : 0;
+  }
+  ADIT_INLINE std::size_t Count() const { return count_; }
+
+ private:
+  LitWord* to_;
+  std::size_t count_ = 0;
+};
+
 template <typename Pixel>
-bool ScanPlain(const std::uint8_t* row, int width, int threshold, std::uint64_t* bright) {
-  std::uint64_t any = 0;
+std::size_t ScanPlain(const std::uint8_t* row, int width, int threshold, LitWord* lit) {
+  LitWords words(lit);
   for (int x = 0; x < width; x += kWord) {
     std::uint64_t word = 0;
     for (int i = 0; i < kWord && x + i < width; ++i) {
@@ -26,28 +43,32 @@ bool ScanPlain(const std::uint8_t* row, int width, int threshold, std::uint64_t*
       std::memcpy(&value, row + static_cast<std::ptrdiff_t>(sizeof(Pixel)) * (x + i), sizeof(Pixel));
       word |= static_cast<std::uint64_t>(value > threshold) << i;
     }
-    *bright++ = word;
-    any |= word;
+    words.Add(word, x);
   }
-  return any != 0;
+  return words.Count();
 }
 
 // The scans below have one shape: whole words, then the word of the row's last 64 pixels, shifted; a row
-// shorter than that is its first and its last 32 pixels. Each is made of what gives the bits of 32 pixels. A
-// saturated subtraction leaves 0 where a pixel is not brighter.
+// shorter than that is its first and its last 32 pixels. Each is made of what gives the bits of 32 pixels. Of
+// a pixel and the least bright value the larger one is the pixel where it is bright.
 constexpr int kHalf = kWord / 2;
 
 template <typename Half>
-bool Scan(const std::uint8_t* row, int width, int threshold, std::uint64_t* bright) {
-  const auto limit = Half::Limit(threshold);
-  const auto half = [&](int x) { return Half::Bits(row + std::ptrdiff_t{Half::kPixelBytes} * x, limit); };
+std::size_t Scan(const std::uint8_t* row, int width, int threshold, LitWord* lit) {
+  const auto least = Half::Least(threshold + 1);
+  const auto half = [&](int x) {
+    return Half::Bits(row + std::ptrdiff_t{sizeof(typename Half::Pixel)} * x, least);
+  };
   const auto word = [&](int x) { return half(x) | half(x + kHalf) << kHalf; };
-  if (width < kWord) return (*bright = half(0) | half(width - kHalf) << (width - kHalf)) != 0;
-  std::uint64_t any = 0;
+  LitWords words(lit);
+  if (width < kWord) {
+    words.Add(half(0) | half(width - kHalf) << (width - kHalf), 0);
+    return words.Count();
+  }
   int x = 0;
-  for (; x + kWord <= width; x += kWord) any |= * bright++ = word(x);
-  if (x < width) any |= * bright = word(width - kWord) >> (x + kWord - width);
-  return any != 0;
+  for (; x + kWord <= width; x += kWord) words.Add(word(x), x);
+  if (x < width) words.Add(word(width - kWord) >> (x + kWord - width), x);
+  return words.Count();
 }
 
 #if defined(__x86_64__)
@@ -55,27 +76,27 @@ bool Scan(const std::uint8_t* row, int width, int threshold, std::uint64_t* brig
 std::uint64_t BitsOf(__m128i bytes) { return static_cast<std::uint32_t>(_mm_movemask_epi8(bytes)); }
 
 struct Sse2x8 {
-  static constexpr int kPixelBytes = 1;
-  static __m128i Limit(int threshold) { return _mm_set1_epi8(static_cast<char>(threshold)); }
-  static std::uint64_t Bits(const std::uint8_t* at, __m128i limit) {
-    const auto dark = [&](int i) {
+  using Pixel = std::uint8_t;
+  static __m128i Least(int dn) { return _mm_set1_epi8(static_cast<char>(dn)); }
+  static std::uint64_t Bits(const std::uint8_t* at, __m128i least) {
+    const auto bright = [&](int i) {
       const __m128i pixels = _mm_loadu_si128(reinterpret_cast<const __m128i*>(at) + i);
-      return BitsOf(_mm_cmpeq_epi8(_mm_subs_epu8(pixels, limit), _mm_setzero_si128()));
+      return BitsOf(_mm_cmpeq_epi8(_mm_max_epu8(pixels, least), pixels));
     };
-    return (dark(0) | dark(1) << 16) ^ 0xFFFF'FFFF;
+    return bright(0) | bright(1) << 16;
   }
 };
 
 struct Sse2x16 {
-  static constexpr int kPixelBytes = 2;
-  static __m128i Limit(int threshold) { return _mm_set1_epi16(static_cast<short>(threshold)); }
-  static std::uint64_t Bits(const std::uint8_t* at, __m128i limit) {
-    const auto dark = [&](int i) {
+  using Pixel = std::uint16_t;
+  static __m128i Least(int dn) { return _mm_set1_epi16(static_cast<short>(dn)); }
+  static std::uint64_t Bits(const std::uint8_t* at, __m128i least) {
+    const auto bright = [&](int i) {
       const __m128i pixels = _mm_loadu_si128(reinterpret_cast<const __m128i*>(at) + i);
-      return _mm_cmpeq_epi16(_mm_subs_epu16(pixels, limit), _mm_setzero_si128());
+      return _mm_cmpeq_epi16(_mm_max_epu16(pixels, least), pixels);
     };
-    const std::uint64_t first = BitsOf(_mm_packs_epi16(dark(0), dark(1)));
-    return (first | BitsOf(_mm_packs_epi16(dark(2), dark(3))) << 16) ^ 0xFFFF'FFFF;
+    return BitsOf(_mm_packs_epi16(bright(0), bright(1))) | BitsOf(_mm_packs_epi16(bright(2), bright(3)))
+                                                               << 16;
   }
 };
 
@@ -84,45 +105,46 @@ ADIT_AVX2 std::uint64_t BitsOf(__m256i bytes) {
 }
 
 struct Avx2x8 {
-  static constexpr int kPixelBytes = 1;
-  ADIT_AVX2 static __m256i Limit(int threshold) { return _mm256_set1_epi8(static_cast<char>(threshold)); }
-  ADIT_AVX2 static std::uint64_t Bits(const std::uint8_t* at, __m256i limit) {
+  using Pixel = std::uint8_t;
+  ADIT_AVX2 static __m256i Least(int dn) { return _mm256_set1_epi8(static_cast<char>(dn)); }
+  ADIT_AVX2 static std::uint64_t Bits(const std::uint8_t* at, __m256i least) {
     const __m256i pixels = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
-    const __m256i rest = _mm256_subs_epu8(pixels, limit);
-    return BitsOf(_mm256_cmpeq_epi8(rest, _mm256_setzero_si256())) ^ 0xFFFF'FFFF;
+    return BitsOf(_mm256_cmpeq_epi8(_mm256_max_epu8(pixels, least), pixels));
   }
 };
 
 struct Avx2x16 {
-  static constexpr int kPixelBytes = 2;
-  ADIT_AVX2 static __m256i Limit(int threshold) { return _mm256_set1_epi16(static_cast<short>(threshold)); }
-  ADIT_AVX2 static std::uint64_t Bits(const std::uint8_t* at, __m256i limit) {
-    const auto* const p = reinterpret_cast<const __m256i*>(at);
-    const __m256i zero = _mm256_setzero_si256();
-    const __m256i a = _mm256_cmpeq_epi16(_mm256_subs_epu16(_mm256_loadu_si256(p), limit), zero);
-    const __m256i b = _mm256_cmpeq_epi16(_mm256_subs_epu16(_mm256_loadu_si256(p + 1), limit), zero);
+  using Pixel = std::uint16_t;
+  ADIT_AVX2 static __m256i Least(int dn) { return _mm256_set1_epi16(static_cast<short>(dn)); }
+  ADIT_AVX2 static std::uint64_t Bits(const std::uint8_t* at, __m256i least) {
+    const __m256i p = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
+    const __m256i q = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at) + 1);
+    const __m256i a = _mm256_cmpeq_epi16(_mm256_max_epu16(p, least), p);
+    const __m256i b = _mm256_cmpeq_epi16(_mm256_max_epu16(q, least), q);
     // Packing works within halves: 0 2 1 3 puts the quarters back in order.
-    return BitsOf(_mm256_permute4x64_epi64(_mm256_packs_epi16(a, b), 0b11'01'10'00)) ^ 0xFFFF'FFFF;
+    return BitsOf(_mm256_permute4x64_epi64(_mm256_packs_epi16(a, b), 0b11'01'10'00));
   }
 };
 
 /// Scan again, without lambdas: those would not be compiled for AVX2.
 template <typename Half>
-ADIT_AVX2 bool ScanAvx2(const std::uint8_t* row, int width, int threshold, std::uint64_t* bright) {
-  constexpr std::ptrdiff_t kHalfBytes = Half::kPixelBytes * kHalf;
-  const __m256i limit = Half::Limit(threshold);
-  const std::uint8_t* const last = row + std::ptrdiff_t{Half::kPixelBytes} * width - kHalfBytes;
-  if (width < kWord)
-    return (*bright = Half::Bits(row, limit) | Half::Bits(last, limit) << (width - kHalf)) != 0;
-  std::uint64_t any = 0;
+ADIT_AVX2 std::size_t ScanAvx2(const std::uint8_t* row, int width, int threshold, LitWord* lit) {
+  constexpr std::ptrdiff_t kHalfBytes = std::ptrdiff_t{sizeof(typename Half::Pixel)} * kHalf;
+  const __m256i least = Half::Least(threshold + 1);
+  const std::uint8_t* const last = row + std::ptrdiff_t{sizeof(typename Half::Pixel)} * width - kHalfBytes;
+  LitWords words(lit);
+  if (width < kWord) {
+    words.Add(Half::Bits(row, least) | Half::Bits(last, least) << (width - kHalf), 0);
+    return words.Count();
+  }
   int x = 0;
   for (; x + kWord <= width; x += kWord, row += 2 * kHalfBytes)
-    any |= * bright++ = Half::Bits(row, limit) | Half::Bits(row + kHalfBytes, limit) << kHalf;
+    words.Add(Half::Bits(row, least) | Half::Bits(row + kHalfBytes, least) << kHalf, x);
   if (x < width) {
-    const std::uint64_t word = Half::Bits(last - kHalfBytes, limit) | Half::Bits(last, limit) << kHalf;
-    any |= * bright = word >> (x + kWord - width);
+    const std::uint64_t word = Half::Bits(last - kHalfBytes, least) | Half::Bits(last, least) << kHalf;
+    words.Add(word >> (x + kWord - width), x);
   }
-  return any != 0;
+  return words.Count();
 }
 
 #elif defined(__aarch64__)
@@ -136,67 +158,80 @@ std::uint64_t BitsOf(uint8x16_t a, uint8x16_t b) {
 }
 
 struct Neon8 {
-  static constexpr int kPixelBytes = 1;
-  static uint8x16_t Limit(int threshold) { return vdupq_n_u8(static_cast<std::uint8_t>(threshold)); }
-  static std::uint64_t Bits(const std::uint8_t* at, uint8x16_t limit) {
-    return BitsOf(vcgtq_u8(vld1q_u8(at), limit), vcgtq_u8(vld1q_u8(at + 16), limit));
+  using Pixel = std::uint8_t;
+  static uint8x16_t Least(int dn) { return vdupq_n_u8(static_cast<std::uint8_t>(dn)); }
+  static std::uint64_t Bits(const std::uint8_t* at, uint8x16_t least) {
+    return BitsOf(vcgeq_u8(vld1q_u8(at), least), vcgeq_u8(vld1q_u8(at + 16), least));
   }
 };
 
 struct Neon16 {
-  static constexpr int kPixelBytes = 2;
-  static uint16x8_t Limit(int threshold) { return vdupq_n_u16(static_cast<std::uint16_t>(threshold)); }
-  static std::uint64_t Bits(const std::uint8_t* at, uint16x8_t limit) {
-    const auto above = [&](int i) {
-      return vmovn_u16(vcgtq_u16(vreinterpretq_u16_u8(vld1q_u8(at + 16 * i)), limit));
+  using Pixel = std::uint16_t;
+  static uint16x8_t Least(int dn) { return vdupq_n_u16(static_cast<std::uint16_t>(dn)); }
+  static std::uint64_t Bits(const std::uint8_t* at, uint16x8_t least) {
+    const auto bright = [&](int i) {
+      return vmovn_u16(vcgeq_u16(vreinterpretq_u16_u8(vld1q_u8(at + 16 * i)), least));
     };
-    return BitsOf(vcombine_u8(above(0), above(1)), vcombine_u8(above(2), above(3)));
+    return BitsOf(vcombine_u8(bright(0), bright(1)), vcombine_u8(bright(2), bright(3)));
   }
 };
 
 #endif
 
-/// Rows too short for half a word, by the plain loop.
-template <RowScan kLong, RowScan kShort>
-bool ScanRow(const std::uint8_t* row, int width, int threshold, std::uint64_t* bright) {
-  return width < kHalf ? kShort(row, width, threshold, bright) : kLong(row, width, threshold, bright);
+/// Rows too short for half a word by the plain loop, and nothing at all where no value is bright.
+template <typename Half, RowScan kScan, RowScan kPlain>
+std::size_t ScanRow(const std::uint8_t* row, int width, int threshold, LitWord* lit) {
+  if (threshold >= std::numeric_limits<typename Half::Pixel>::max()) return 0;
+  return (width < kHalf ? kPlain : kScan)(row, width, threshold, lit);
 }
 
 }  // namespace
 
-bool ScanRowPlain8(const std::uint8_t* row, int width, int threshold, std::uint64_t* bright) {
-  return ScanPlain<std::uint8_t>(row, width, threshold, bright);
+std::size_t ScanRowPlain8(const std::uint8_t* row, int width, int threshold, LitWord* lit) {
+  return ScanPlain<std::uint8_t>(row, width, threshold, lit);
 }
 
-bool ScanRowPlain16(const std::uint8_t* row, int width, int threshold, std::uint64_t* bright) {
-  return ScanPlain<std::uint16_t>(row, width, threshold, bright);
+std::size_t ScanRowPlain16(const std::uint8_t* row, int width, int threshold, LitWord* lit) {
+  return ScanPlain<std::uint16_t>(row, width, threshold, lit);
 }
 
 RowScan FastestRowScan(int bytes_per_pixel) {
   const bool bytes = bytes_per_pixel == 1;
 #if defined(__x86_64__)
   if (HasAvx2())
-    return bytes ? ScanRow<ScanAvx2<Avx2x8>, ScanRowPlain8> : ScanRow<ScanAvx2<Avx2x16>, ScanRowPlain16>;
-  return bytes ? ScanRow<Scan<Sse2x8>, ScanRowPlain8> : ScanRow<Scan<Sse2x16>, ScanRowPlain16>;
+    return bytes ? ScanRow<Avx2x8, ScanAvx2<Avx2x8>, ScanRowPlain8>
+                 : ScanRow<Avx2x16, ScanAvx2<Avx2x16>, ScanRowPlain16>;
+  return bytes ? ScanRow<Sse2x8, Scan<Sse2x8>, ScanRowPlain8>
+               : ScanRow<Sse2x16, Scan<Sse2x16>, ScanRowPlain16>;
 #elif defined(__aarch64__)
-  return bytes ? ScanRow<Scan<Neon8>, ScanRowPlain8> : ScanRow<Scan<Neon16>, ScanRowPlain16>;
+  return bytes ? ScanRow<Neon8, Scan<Neon8>, ScanRowPlain8> : ScanRow<Neon16, Scan<Neon16>, ScanRowPlain16>;
 #else
   return bytes ? ScanRowPlain8 : ScanRowPlain16;
 #endif
 }
 
-std::size_t RowEdges(std::span<const std::uint64_t> bright, std::uint16_t* edges) {
+std::size_t RowEdges(std::span<const LitWord> lit, std::uint16_t* edges) {
   const std::uint16_t* const first = edges;
   std::uint64_t before = 0;  // the pixel left of the word
-  unsigned x = 0;
-  for (const std::uint64_t word : bright) {
-    std::uint64_t changes = word ^ (word << 1 | before);
-    before = word >> (kWord - 1);
+  std::uint32_t end_px = 0;  // of the word before
+  const auto add = [&edges](std::uint32_t x_px) { *edges++ = static_cast<std::uint16_t>(x_px); };
+  for (const LitWord& word : lit) {
+    if (word.first_px != end_px && before != 0) {
+      add(end_px);
+      before = 0;
+    }
+    std::uint64_t changes = word.bright ^ (word.bright << 1 | before);
+    before = word.bright >> (kWord - 1);
+    end_px = word.first_px + kWord;
+    // Mostly there are two: written without asking, as a branch that is guessed wrong costs more.
+    std::uint16_t* const next = edges + std::popcount(changes);
+    for (int i = 0; i < 2; ++i, changes &= changes - 1)
+      add(word.first_px + static_cast<std::uint32_t>(std::countr_zero(changes)));
     for (; changes != 0; changes &= changes - 1)
-      *edges++ = static_cast<std::uint16_t>(x + static_cast<unsigned>(std::countr_zero(changes)));
-    x += kWord;
+      add(word.first_px + static_cast<std::uint32_t>(std::countr_zero(changes)));
+    edges = next;
   }
-  if (before != 0) *edges++ = static_cast<std::uint16_t>(x);  // open at the end of a row of whole words
+  if (before != 0) add(end_px);
   return static_cast<std::size_t>(edges - first);
 }
 

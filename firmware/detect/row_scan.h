@@ -1,4 +1,4 @@
-// One row of pixels -> one bit a pixel -> where its bright runs begin and end.
+// One row of pixels -> one bit a pixel, where any is bright -> where its bright runs begin and end.
 #pragma once
 
 #include <cstddef>
@@ -7,23 +7,29 @@
 
 namespace adit::detect {
 
-/// Bit i of word w of `bright` tells whether pixel 64 w + i of the `width` ones at `row` is brighter than
-/// `threshold`; the last word's bits beyond the row are 0. False if no pixel is: then the words need not be
-/// looked at.
-using RowScan = bool (*)(const std::uint8_t* row, int width, int threshold, std::uint64_t* bright);
+/// 64 neighbouring pixels, some of them bright.
+struct LitWord {
+  std::uint64_t bright = 0;    ///< bit i: pixel first_px + i; 0 beyond the row
+  std::uint32_t first_px = 0;  ///< a multiple of 64
+};
+
+/// Writes, from left to right, the words of the row of `width` pixels at `row` that hold any brighter than
+/// `threshold`, and returns how many they are. One more may be written.
+using RowScan = std::size_t (*)(const std::uint8_t* row, int width, int threshold, LitWord* lit);
 
 /// The straightforward loops, for pixels of one byte and of two, which the others are compared with.
-bool ScanRowPlain8(const std::uint8_t* row, int width, int threshold, std::uint64_t* bright);
-bool ScanRowPlain16(const std::uint8_t* row, int width, int threshold, std::uint64_t* bright);
+std::size_t ScanRowPlain8(const std::uint8_t* row, int width, int threshold, LitWord* lit);
+std::size_t ScanRowPlain16(const std::uint8_t* row, int width, int threshold, LitWord* lit);
 /// 64 pixels at a time with the widest instructions of this processor that pay (AVX2, SSE2, NEON).
 RowScan FastestRowScan(int bytes_per_pixel);
 
-constexpr std::size_t RowWords(int width) { return (static_cast<std::size_t>(width) + 63) / 64; }
+/// Room that a RowScan wants.
+constexpr std::size_t LitWordsRoom(int width) { return (static_cast<std::size_t>(width) + 63) / 64 + 1; }
 /// Room that RowEdges wants: two edges a run, and what it writes in advance.
 constexpr std::size_t RowEdgesRoom(int width) { return static_cast<std::size_t>(width) + 4; }
 
 /// The bright runs of a scanned row as edges in ascending order: first pixel, pixel after the last, first
 /// pixel of the next. Returns how many edges there are.
-std::size_t RowEdges(std::span<const std::uint64_t> bright, std::uint16_t* edges);
+std::size_t RowEdges(std::span<const LitWord> lit, std::uint16_t* edges);
 
 }  // namespace adit::detect

@@ -17,6 +17,7 @@ namespace {
 
 using adit::base::ImageView;
 using adit::detect::Components;
+using adit::detect::LitWord;
 using adit::detect::Run;
 
 constexpr int kThreshold = 100;
@@ -189,7 +190,7 @@ TEST_GROUP(RowScan) {
   void CompareWithPlain(adit::detect::RowScan plain, unsigned levels) {
     constexpr int kLongest = 400, kSlack = 3;
     std::vector<Pixel> row(kLongest);
-    std::vector<std::uint64_t> slow(adit::detect::RowWords(kLongest)), fast(slow.size());
+    std::vector<LitWord> slow(adit::detect::LitWordsRoom(kLongest)), fast(slow.size());
     for (int round = 0; round < 3000; ++round) {
       const int width = static_cast<int>(random() % (kLongest - kSlack + 1));
       const unsigned threshold = static_cast<unsigned>(random() % levels);
@@ -198,11 +199,13 @@ TEST_GROUP(RowScan) {
         row[x] = static_cast<Pixel>((x / length) % 2 == 0 ? threshold : random() % levels);
       // Rows begin anywhere in memory.
       const auto* const at = reinterpret_cast<const std::uint8_t*>(row.data() + round % kSlack);
-      const bool any = plain(at, width, static_cast<int>(threshold), slow.data());
-      CHECK_EQUAL(any, adit::detect::FastestRowScan(sizeof(Pixel))(at, width, static_cast<int>(threshold),
-                                                                   fast.data()));
-      const std::size_t words = adit::detect::RowWords(width);
-      CHECK(std::equal(slow.begin(), slow.begin() + static_cast<std::ptrdiff_t>(words), fast.begin()));
+      const std::size_t words = plain(at, width, static_cast<int>(threshold), slow.data());
+      LONGS_EQUAL(words, adit::detect::FastestRowScan(sizeof(Pixel))(at, width, static_cast<int>(threshold),
+                                                                     fast.data()));
+      for (std::size_t i = 0; i < words; ++i) {
+        CHECK(slow[i].bright == fast[i].bright);
+        LONGS_EQUAL(slow[i].first_px, fast[i].first_px);
+      }
     }
   }
 };
@@ -213,21 +216,23 @@ TEST(RowScan, TheFastestEqualsThePlainOneOnRowsOfEveryLength_Seed5) {
   CompareWithPlain<std::uint16_t>(adit::detect::ScanRowPlain16, 65536);
 }
 
-TEST(RowScan, ThePlainOneSetsTheBitsOfWhatIsBrighter) {
-  std::vector<std::uint8_t> row(70, 100);
-  row[0] = 101, row[63] = 255, row[64] = 200, row[69] = 101;
-  std::vector<std::uint64_t> bright(2);
-  CHECK(adit::detect::ScanRowPlain8(row.data(), 70, 100, bright.data()));
-  CHECK(bright[0] == (1ULL | 1ULL << 63));
-  CHECK(bright[1] == (1ULL | 1ULL << 5));
-  CHECK(!adit::detect::ScanRowPlain8(row.data() + 1, 62, 100, bright.data()));
+TEST(RowScan, ThePlainOneSetsTheBitsOfWhatIsBrighterInTheWordsThatHoldAny) {
+  std::vector<std::uint8_t> row(200, 100);
+  row[0] = 101, row[63] = 255, row[128] = 200, row[133] = 101;
+  std::vector<LitWord> lit(adit::detect::LitWordsRoom(200));
+  LONGS_EQUAL(2, adit::detect::ScanRowPlain8(row.data(), 200, 100, lit.data()));
+  CHECK(lit[0].bright == (1ULL | 1ULL << 63));
+  LONGS_EQUAL(0, lit[0].first_px);
+  CHECK(lit[1].bright == (1ULL | 1ULL << 5));
+  LONGS_EQUAL(128, lit[1].first_px);
+  LONGS_EQUAL(0, adit::detect::ScanRowPlain8(row.data() + 1, 62, 100, lit.data()));
 }
 
 TEST(RowScan, EdgesAreWhereTheBitsChange_Seed6) {
   for (int round = 0; round < 3000; ++round) {
     const int width = 1 + static_cast<int>(random() % 300);
     const std::size_t length = 1 + random() % 130;
-    std::vector<std::uint64_t> bright(adit::detect::RowWords(width));
+    std::vector<std::uint64_t> bright(adit::detect::LitWordsRoom(width));
     std::vector<std::uint16_t> expected, edges(adit::detect::RowEdgesRoom(width));
     bool lit = false;
     for (int x = 0; x < width; ++x) {
@@ -237,7 +242,11 @@ TEST(RowScan, EdgesAreWhereTheBitsChange_Seed6) {
       lit = now;
     }
     if (lit) expected.push_back(static_cast<std::uint16_t>(width));
-    edges.resize(adit::detect::RowEdges(bright, edges.data()));
+    std::vector<LitWord> words;
+    for (std::size_t i = 0; i < bright.size(); ++i) {
+      if (bright[i] != 0) words.push_back({bright[i], static_cast<std::uint32_t>(64 * i)});
+    }
+    edges.resize(adit::detect::RowEdges(words, edges.data()));
     CHECK(edges == expected);
   }
 }

@@ -27,33 +27,56 @@ bool SamePlace(const Solution& a, const Solution& b, const LocatorOptions& optio
   return (a.points.epicenter_b_m - b.points.epicenter_b_m).norm() <= within_m;
 }
 
+/// The plane that mirrors one place of a target into another as well as a plane can.
+struct MirrorFit {
+  Vector3d normal = Vector3d::Zero();  ///< unit, from the first to the second
+  Vector3d on_plane_m = Vector3d::Zero();
+  double separation_m = 0;  ///< of the two places
+  double residual_m = 0;    ///< of the LED that fits worst
+};
+
+MirrorFit FitMirror(const Solution& real, const Solution& image) {
+  MirrorFit fit;
+  for (std::size_t i = 0; i < kLedCount; ++i) {
+    fit.normal += image.points.leds_b_m[i] - real.points.leds_b_m[i];
+    fit.on_plane_m += (image.points.leds_b_m[i] + real.points.leds_b_m[i]) / (2 * kLedCount);
+  }
+  fit.separation_m = fit.normal.norm() / kLedCount;
+  fit.normal.normalize();
+  for (std::size_t i = 0; i < kLedCount; ++i) {
+    const Vector3d& p = real.points.leds_b_m[i];
+    const Vector3d mirrored = p + 2 * fit.normal.dot(fit.on_plane_m - p) * fit.normal;
+    fit.residual_m = std::max(fit.residual_m, (mirrored - image.points.leds_b_m[i]).norm());
+  }
+  return fit;
+}
+
+double MirrorWithinM(const Solution& real, const Solution& image, const MirrorFit& fit,
+                     const LocatorOptions& options) {
+  constexpr double kWaviness = 0.01;  // of the separation: surfaces that still show an image are this flat
+  return SameWithinM(real, image, options) + kWaviness * fit.separation_m;
+}
+
 /// Whether `image` is `real` seen in a plane mirror: every LED moved along the plane's normal by twice its
 /// distance from the plane, real on the cameras' side, and no brighter.
 bool IsMirrorImage(const Views& views, const Solution& real, const Solution& image,
                    const LocatorOptions& options) {
-  constexpr double kDimmer = 1.2;     // a mirror does not amplify; a fifth for angle and noise
-  constexpr double kWaviness = 0.01;  // of the separation: surfaces that still show an image are this flat
-  Vector3d normal = Vector3d::Zero(), on_plane_m = Vector3d::Zero();
-  for (std::size_t i = 0; i < kLedCount; ++i) {
-    normal += image.points.leds_b_m[i] - real.points.leds_b_m[i];
-    on_plane_m += (image.points.leds_b_m[i] + real.points.leds_b_m[i]) / (2 * kLedCount);
-  }
-  const double separation_m = normal.norm() / kLedCount;
-  normal.normalize();
-  const double within_m = SameWithinM(real, image, options) + kWaviness * separation_m;
-  if (!(separation_m > 2 * within_m) || image.flux_dn > kDimmer * real.flux_dn) return false;
+  constexpr double kDimmer = 1.2;  // a mirror does not amplify; a fifth for angle and noise
+  const MirrorFit fit = FitMirror(real, image);
+  const double within_m = MirrorWithinM(real, image, fit, options);
+  if (!(fit.separation_m > 2 * within_m) || image.flux_dn > kDimmer * real.flux_dn) return false;
   for (const View& view : views) {
-    if (normal.dot(view.CentreM() - on_plane_m) >= 0) return false;
+    if (fit.normal.dot(view.CentreM() - fit.on_plane_m) >= 0) return false;
   }
-  for (std::size_t i = 0; i < kLedCount; ++i) {
-    const Vector3d& p = real.points.leds_b_m[i];
-    const Vector3d mirrored = p + 2 * normal.dot(on_plane_m - p) * normal;
-    if (!((mirrored - image.points.leds_b_m[i]).norm() <= within_m)) return false;
-  }
-  return true;
+  return fit.residual_m <= within_m;
 }
 
 }  // namespace
+
+bool MayBeMirrorImage(const LocatorOptions& options, const Solution& place, const Solution& image) {
+  const MirrorFit fit = FitMirror(place, image);
+  return fit.residual_m <= MirrorWithinM(place, image, fit, options);
+}
 
 bool ShareABlob(const Solution& a, const Solution& b) {
   const auto shares = [](const BlobIndices& x, const BlobIndices& y) {

@@ -32,6 +32,10 @@ bool Explains(const Solution& solution, const BarBlobs& blobs);
 const Solution* Choose(const Views& views, const LocatorOptions& options, const Solution* expected,
                        Finding& finding);
 
+/// Whether `image` can be the reflection of the target at `place` in any plane; places that may be one and
+/// the same can.
+bool MayBeMirrorImage(const LocatorOptions& options, const Solution& place, const Solution& image);
+
 /// Whether two solutions take one blob.
 bool ShareABlob(const Solution& a, const Solution& b);
 

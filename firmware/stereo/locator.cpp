@@ -26,6 +26,7 @@ struct Locator::State {
   void TrySighting(const Sighting& sighting);
   void TryBlobs(std::size_t target, const BarBlobs& blobs);
   void SeekExpected(const ExpectationSet& expectations);
+  bool MayBeReflection(std::size_t target, const Expectation& expected) const;
   std::bitset<identify::kMaxTargets> Wanted(const ExpectationSet& expectations) const;
   void ChooseAll(const ExpectationSet& expectations);
 
@@ -135,12 +136,22 @@ void Locator::State::SeekExpected(const ExpectationSet& expectations) {
   }
 }
 
-/// The targets whose places with three LEDs are wanted. One that shows where it is expected needs no more. Of
-/// any other one, also of one whose four LEDs were found, they are: the four may be the reflection of these.
+/// Whether the four LEDs found may be a reflection of three that are not found yet. Of a target seen a moment
+/// ago its own place tells: there was none then, or it was chosen, and from there it leads to any reflection.
+bool Locator::State::MayBeReflection(std::size_t target, const Expectation& expected) const {
+  if (!expected.recent) return true;
+  const Solution place = ExpectedPlace(targets[target], expected);
+  const auto& solutions = findings[target].solutions;
+  return std::any_of(solutions.begin(), solutions.end(),
+                     [&](const Solution& s) { return MayBeMirrorImage(options, place, s); });
+}
+
+/// The targets whose places with three LEDs are wanted. One that shows where it is expected needs no more.
 std::bitset<identify::kMaxTargets> Locator::State::Wanted(const ExpectationSet& expectations) const {
   std::bitset<identify::kMaxTargets> wanted;
   for (std::size_t i = 0; i < targets.size(); ++i)
-    wanted[i] = !expectations[i].known || findings[i].solutions.empty();
+    wanted[i] =
+        findings[i].solutions.empty() || (!expectations[i].known && MayBeReflection(i, expectations[i]));
   return wanted;
 }
 

@@ -29,10 +29,11 @@ std::optional<double> PointCloud::PlaneOf(const View& view, const Vector2d& px) 
   return std::isfinite(plane) ? std::optional(plane) : std::nullopt;
 }
 
-void PointCloud::SortRight(const detect::BlobSet& right) {
+void PointCloud::SortRight(const detect::BlobSet& right, const BlobFlags& claimed) {
   right_order_.clear();
   planes_per_px_ = 0;
   for (std::size_t i = 0; i < right.blobs.size(); ++i) {
+    if (claimed[1][i]) continue;
     const Vector2d& px = right.blobs[i].ideal_px;
     const auto plane = PlaneOf(views_[1], px);
     if (!plane) continue;
@@ -47,16 +48,16 @@ void PointCloud::SortRight(const detect::BlobSet& right) {
             [](const Place& a, const Place& b) { return a.key < b.key; });
 }
 
-void PointCloud::Build(const detect::BlobSet& left, const detect::BlobSet& right,
+void PointCloud::Build(const detect::BlobSet& left, const detect::BlobSet& right, const BlobFlags& claimed,
                        const Correspondence& correspondence) {
   points_.clear();
   crowded_ = false;
   blobs_per_px2_ = {static_cast<double>(left.blobs.size()) / image_px2_[0],
                     static_cast<double>(right.blobs.size()) / image_px2_[1]};
-  SortRight(right);
+  SortRight(right, claimed);
   left_order_.clear();
   for (std::size_t i = 0; i < left.blobs.size(); ++i) {
-    if (left.blobs[i].ideal_px.allFinite())
+    if (!claimed[0][i] && left.blobs[i].ideal_px.allFinite())
       left_order_.push_back({left.blobs[i].ideal_px.x(), static_cast<std::uint16_t>(i)});
   }
   std::sort(left_order_.begin(), left_order_.end(),

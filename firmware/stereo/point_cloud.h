@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 
 #include "firmware/stereo/correspondence.h"
@@ -18,6 +19,9 @@ struct CloudPoint {
   double range_sigma_m = 0;              ///< along the line of sight
 };
 
+/// Blobs of the left image and of the right one, by index.
+using BlobFlags = std::array<std::bitset<detect::kMaxBlobs>, 2>;
+
 /// The points of one pair, sorted by their column in the left image. About half a right blob lies on a line
 /// among 200 lamps: the points are about as many as the blobs. One thread; no allocation.
 class PointCloud {
@@ -26,8 +30,9 @@ class PointCloud {
 
   PointCloud(const optics::Rig& rig, const LocatorOptions& options);
 
-  /// `correspondence` has the right image set. Blobs that are no numbers are passed over.
-  void Build(const detect::BlobSet& left, const detect::BlobSet& right, const Correspondence& correspondence);
+  /// `correspondence` has the right image set. Blobs that are `claimed` or no numbers are passed over.
+  void Build(const detect::BlobSet& left, const detect::BlobSet& right, const BlobFlags& claimed,
+             const Correspondence& correspondence);
 
   std::size_t size() const { return points_.size(); }
   const CloudPoint& operator[](std::size_t i) const { return points_[i]; }
@@ -45,7 +50,7 @@ class PointCloud {
   };
   using Order = base::FixedVector<Place, detect::kMaxBlobs>;
 
-  void SortRight(const detect::BlobSet& right);
+  void SortRight(const detect::BlobSet& right, const BlobFlags& claimed);
   void Add(const detect::Blob& left, std::uint16_t left_blob, const detect::Blob& right,
            std::uint16_t right_blob);
   /// Tangent of the angle of the plane through both cameras and the pixel; nothing for rays along the base.

@@ -28,7 +28,8 @@ TripleBars::TripleBars(const optics::Rig& rig, const std::vector<base::Target>& 
 void TripleBars::Run(const std::bitset<identify::kMaxTargets>& wanted, const BarBuilder& builder,
                      const Correspondence& correspondence, std::vector<Finding>& findings) {
   if (wanted.none()) return;
-  cloud_.Build(builder.Blobs(0), builder.Blobs(1), correspondence);
+  Claim(findings);
+  cloud_.Build(builder.Blobs(0), builder.Blobs(1), claimed_, correspondence);
   search_.Run(cloud_, wanted, triples_);
   if (triples_.cut_short) return;
   bars_.clear();
@@ -48,6 +49,18 @@ void TripleBars::Run(const std::bitset<identify::kMaxTargets>& wanted, const Bar
       continue;
     }
     Add(options_, bar.solution, finding);
+  }
+}
+
+void TripleBars::Claim(const std::vector<Finding>& findings) {
+  for (auto& flags : claimed_) flags.reset();
+  for (const Finding& finding : findings) {
+    for (const Solution& solution : finding.solutions) {
+      if (!solution.complete) continue;
+      for (std::size_t side = 0; side < 2; ++side) {
+        for (const std::uint16_t blob : solution.points.blobs[side]) claimed_[side].set(blob);
+      }
+    }
   }
 }
 

@@ -19,7 +19,8 @@ class TripleBars {
   TripleBars(const optics::Rig& rig, const std::vector<base::Target>& targets, const LocatorOptions& options);
 
   /// Adds to `findings`, by target, the bars of the targets `wanted`. `builder` and `correspondence` have the
-  /// pair set. Concludes nothing where the search is cut short.
+  /// pair set. The blobs of what was found with all four LEDs are no part of anything else: no three of them
+  /// would stand against it. Concludes nothing where the search is cut short.
   void Run(const std::bitset<identify::kMaxTargets>& wanted, const BarBuilder& builder,
            const Correspondence& correspondence, std::vector<Finding>& findings);
 
@@ -30,6 +31,7 @@ class TripleBars {
   };
   static constexpr std::size_t kMaxBars = 32;
 
+  void Claim(const std::vector<Finding>& findings);
   void Try(const Triple& triple, const BarBuilder& builder, const std::vector<Finding>& findings);
   double ChanceOf(const Bar& bar) const;
   bool IsContested(const Bar& bar) const;
@@ -37,6 +39,7 @@ class TripleBars {
 
   std::vector<base::Target> targets_;
   LocatorOptions options_;
+  BlobFlags claimed_;
   PointCloud cloud_;
   TripleSearch search_;
   TripleSet triples_;

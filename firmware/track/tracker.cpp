@@ -136,10 +136,14 @@ std::optional<BarFilter> Tracker::LockedAt(const Trail& trail, base::TimeNs expo
 void Tracker::Expect(base::TimeNs exposure_ns, stereo::ExpectationSet& out) const {
   out = {};
   for (std::size_t i = 0; i < trails_.size(); ++i) {
-    const auto filter = LockedAt(trails_[i], exposure_ns);
-    if (!filter || exposure_ns == trails_[i].filter->ExposureNs()) continue;
-    const BarPlace led1 = filter->Place().Moved(-trails_[i].centre_m);
-    out[i] = {true, led1.point_b_m, led1.direction_b, led1.covariance};
+    const Trail& trail = trails_[i];
+    const bool is_later = trail.filter && exposure_ns > trail.filter->ExposureNs();
+    if (!is_later || exposure_ns - trail.measured_ns > options_.motion.coast_max_ns) continue;
+    const bool locked = LockedAt(trail, exposure_ns).has_value();
+    BarFilter filter = *trail.filter;
+    filter.Advance(exposure_ns);
+    const BarPlace led1 = filter.Place().Moved(-trail.centre_m);
+    out[i] = {locked, !locked, led1.point_b_m, led1.direction_b, led1.covariance};
   }
   for (const BodyTrack& body : bodies_) body.Expect(exposure_ns, out);
 }

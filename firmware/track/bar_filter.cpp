@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "firmware/track/joseph_update.h"
 #include "firmware/track/white_acceleration.h"
 
 namespace adit::track {
@@ -18,17 +19,8 @@ constexpr double kNoiseMinM = 1e-6, kNoiseMinRad = 1e-6;
 // cos 60 degrees: where a tangent plane says little about the direction.
 constexpr double kSameWay = 0.5;
 
-// Where the parameters stand.
-constexpr int kPoint = 0, kSpeed = 3, kAside = 6, kAsideRate = 8;
-
-/// Picks point and theta out of the state.
-using Picker = Eigen::Matrix<double, 5, 10>;
-Picker Measured() {
-  Picker h = Picker::Zero();
-  h.block<3, 3>(0, kPoint).setIdentity();
-  h.block<2, 2>(3, kAside).setIdentity();
-  return h;
-}
+// Where the parameters stand: what is measured leads.
+constexpr int kPoint = 0, kAside = 3, kSpeed = 5, kAsideRate = 8, kMeasured = 5;
 
 }  // namespace
 
@@ -37,8 +29,7 @@ BarFilter::BarFilter(const MotionOptions& options, base::TimeNs exposure_ns, con
   basis_.col(0) = measured.direction_b.normalized();
   basis_.col(1) = basis_.col(0).unitOrthogonal();
   basis_.col(2) = basis_.col(0).cross(basis_.col(1));
-  const InnovationCovariance noise = NoiseOf(measured);
-  covariance_ = Measured().transpose() * noise * Measured();
+  covariance_.topLeftCorner<kMeasured, kMeasured>() = NoiseOf(measured);
   covariance_.diagonal().segment<3>(kSpeed).setConstant(options.speed_m_per_s * options.speed_m_per_s);
   covariance_.diagonal().segment<2>(kAsideRate).setConstant(options.rate_rad_per_s * options.rate_rad_per_s);
 }
@@ -68,10 +59,12 @@ std::optional<BarFilter::Innovation> BarFilter::InnovationOf(const BarPlace& mea
 }
 
 BarFilter::InnovationCovariance BarFilter::NoiseOf(const BarPlace& measured) const {
-  Eigen::Matrix<double, 5, 6> across = Eigen::Matrix<double, 5, 6>::Zero();
-  across.topLeftCorner<3, 3>().setIdentity();
-  across.bottomRightCorner<2, 3>() = Tangent().transpose();
-  InnovationCovariance noise = across * measured.covariance * across.transpose();
+  InnovationCovariance noise;
+  noise.topLeftCorner<3, 3>() = measured.covariance.topLeftCorner<3, 3>();
+  noise.topRightCorner<3, 2>() = measured.covariance.topRightCorner<3, 3>() * Tangent();
+  noise.bottomLeftCorner<2, 3>() = noise.topRightCorner<3, 2>().transpose();
+  noise.bottomRightCorner<2, 2>() =
+      Tangent().transpose() * measured.covariance.bottomRightCorner<3, 3>() * Tangent();
   noise.diagonal().head<3>().array() += kNoiseMinM * kNoiseMinM;
   noise.diagonal().tail<2>().array() += kNoiseMinRad * kNoiseMinRad;
   return noise;
@@ -80,7 +73,7 @@ BarFilter::InnovationCovariance BarFilter::NoiseOf(const BarPlace& measured) con
 std::optional<double> BarFilter::ChiSquare(const BarPlace& measured) const {
   const auto innovation = InnovationOf(measured);
   if (!innovation) return std::nullopt;
-  const InnovationCovariance s = Measured() * covariance_ * Measured().transpose() + NoiseOf(measured);
+  const InnovationCovariance s = covariance_.topLeftCorner<kMeasured, kMeasured>() + NoiseOf(measured);
   const Eigen::LDLT<InnovationCovariance> factors(s);
   if (factors.info() != Eigen::Success || !factors.isPositive()) return std::nullopt;
   const double chi_square = innovation->dot(factors.solve(*innovation));
@@ -91,18 +84,16 @@ std::optional<double> BarFilter::ChiSquare(const BarPlace& measured) const {
 void BarFilter::Update(const BarPlace& measured) {
   const auto innovation = InnovationOf(measured);
   ADIT_REQUIRE(innovation.has_value());
-  const Picker h = Measured();
   const InnovationCovariance noise = NoiseOf(measured);
-  const InnovationCovariance s = h * covariance_ * h.transpose() + noise;
-  const Eigen::Matrix<double, 10, 5> gain = s.ldlt().solve(h * covariance_).transpose();
+  const InnovationCovariance s = covariance_.topLeftCorner<kMeasured, kMeasured>() + noise;
+  const Eigen::Matrix<double, 10, 5> gain = s.ldlt().solve(covariance_.topRows<kMeasured>()).transpose();
   const Eigen::Matrix<double, 10, 1> step = gain * *innovation;
   point_b_m_ += step.segment<3>(kPoint);
   velocity_m_per_s_ += step.segment<3>(kSpeed);
   rate_rad_per_s_ += step.segment<2>(kAsideRate);
   Turn(step.segment<2>(kAside));
-  const Covariance left = Covariance::Identity() - gain * h;
-  covariance_ = left * covariance_ * left.transpose() + gain * noise * gain.transpose();
-  covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
+  const InnovationCovariance h = InnovationCovariance::Identity();
+  JosephUpdate(covariance_, h, gain, noise);
 }
 
 /// Takes the basis along the great circle by `step_rad`.
@@ -119,10 +110,10 @@ void BarFilter::Turn(const Vector2d& step_rad) {
 
 BarPlace BarFilter::Place() const {
   BarPlace place{point_b_m_, basis_.col(0), {}};
-  Eigen::Matrix<double, 6, 10> by_state = Eigen::Matrix<double, 6, 10>::Zero();
-  by_state.block<3, 3>(0, kPoint).setIdentity();
-  by_state.block<3, 2>(3, kAside) = Tangent();
-  place.covariance = by_state * covariance_ * by_state.transpose();
+  const Eigen::Matrix<double, 3, 2> tangent = Tangent();
+  const Eigen::Matrix<double, 3, 3> across = covariance_.block<3, 2>(kPoint, kAside) * tangent.transpose();
+  place.covariance << covariance_.block<3, 3>(kPoint, kPoint), across, across.transpose(),
+      tangent * covariance_.block<2, 2>(kAside, kAside) * tangent.transpose();
   return place;
 }
 

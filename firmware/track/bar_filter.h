@@ -11,7 +11,7 @@
 namespace adit::track {
 
 /// The state is a point of the bar, its velocity, the bar's direction, and the direction's rate along a great
-/// circle: x = (p, v, theta, u), 10 parameters, theta and u in the tangent plane of the direction. Between
+/// circle: x = (p, theta, v, u), 10 parameters, theta and u in the tangent plane of the direction. Between
 /// measurements p' = p + v dt and theta' = theta + u dt, with white accelerations. Direction errors
 /// live in the tangent plane, carried along by the smallest rotation (an error-state filter); the covariance
 /// is updated in Joseph's form, P = (1 - K H) P (1 - K H)^T + K R K^T, which stays symmetric and positive.
@@ -36,7 +36,7 @@ class BarFilter {
   /// With the covariance of the bar at ExposureNs().
   BarPlace Place() const;
   const Eigen::Vector3d& VelocityMPerS() const { return velocity_m_per_s_; }
-  /// Of (p, v, theta, u).
+  /// Of (p, theta, v, u).
   using Covariance = Eigen::Matrix<double, 10, 10>;
   const Covariance& GetCovariance() const { return covariance_; }
   /// d(direction)/dt

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "firmware/track/joseph_update.h"
 #include "firmware/track/white_acceleration.h"
 
 namespace adit::track {
@@ -13,15 +14,8 @@ namespace {
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-constexpr int kMiddle = 0, kVelocity = 3, kTheta = 6, kRate = 9;
-
-/// Picks (middle, theta) out of the state.
-Eigen::Matrix<double, 6, 12> PlacementOf() {
-  Eigen::Matrix<double, 6, 12> picker = Eigen::Matrix<double, 6, 12>::Zero();
-  picker.block<3, 3>(0, kMiddle).setIdentity();
-  picker.block<3, 3>(3, kTheta).setIdentity();
-  return picker;
-}
+// Where the parameters stand: the placement leads.
+constexpr int kMiddle = 0, kTheta = 3, kVelocity = 6, kRate = 9, kPlacement = 6;
 
 /// Of a step, by shaking alone.
 Matrix6d Shaking(const MotionOptions& motion) {
@@ -36,7 +30,7 @@ BodyFilter::BodyFilter(const MotionOptions& motion, base::TimeNs exposure_ns, co
                        const BodyPose& pose)
     : motion_(motion), exposure_ns_(exposure_ns), at_{pose.T_b_t * body.MiddleM(), pose.T_b_t.rotation} {
   const Matrix6d of_middle = MovedCovariance(pose.covariance, pose.T_b_t.rotation * body.MiddleM());
-  covariance_ = PlacementOf().transpose() * (of_middle + Shaking(motion)) * PlacementOf();
+  covariance_.topLeftCorner<kPlacement, kPlacement>() = of_middle + Shaking(motion);
   covariance_.diagonal().segment<3>(kVelocity).setConstant(motion.speed_m_per_s * motion.speed_m_per_s);
   covariance_.diagonal().segment<3>(kRate).setConstant(motion.rate_rad_per_s * motion.rate_rad_per_s);
 }
@@ -60,27 +54,25 @@ void BodyFilter::Advance(base::TimeNs exposure_ns) {
 
 bool BodyFilter::Take(const Body& body, const BodyBar& bar, const BarPlace& seen) {
   const Difference difference = Compare(body, bar, seen, at_);
-  const Eigen::Matrix<double, 5, 12> h = difference.by_place * PlacementOf();
-  const Eigen::Matrix<double, 5, 5> noise =
-      difference.covariance + difference.by_place * Shaking(motion_) * difference.by_place.transpose();
-  const Eigen::Matrix<double, 5, 5> s = h * covariance_ * h.transpose() + noise;
+  const Eigen::Matrix<double, 5, kPlacement>& h = difference.by_place;
+  const Eigen::Matrix<double, 5, 5> noise = difference.covariance + h * Shaking(motion_) * h.transpose();
+  const Eigen::Matrix<double, 5, 12> by_state = h.lazyProduct(covariance_.topRows<kPlacement>());
+  const Eigen::Matrix<double, 5, 5> s = by_state.leftCols<kPlacement>().lazyProduct(h.transpose()) + noise;
   const auto factors = s.ldlt();
   // Written so that NaN does not pass.
   if (!(difference.residual.dot(factors.solve(difference.residual)) <= motion_.chi_square_max)) return false;
-  const Eigen::Matrix<double, 12, 5> gain = factors.solve(h * covariance_).transpose();
+  const Eigen::Matrix<double, 12, 5> gain = factors.solve(by_state).transpose();
   const Eigen::Matrix<double, 12, 1> step = gain * difference.residual;
-  at_ = Stepped(at_, PlacementOf() * step);
+  at_ = Stepped(at_, step.head<kPlacement>());
   velocity_m_per_s_ += step.segment<3>(kVelocity);
   rate_rad_per_s_ += step.segment<3>(kRate);
-  const Covariance left = Covariance::Identity() - gain * h;
-  covariance_ = left * covariance_ * left.transpose() + gain * noise * gain.transpose();
-  covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
+  JosephUpdate(covariance_, h, gain, noise);
   return true;
 }
 
 /// Of what shakes and what does not.
 Matrix6d BodyFilter::PlacementCovariance() const {
-  return PlacementOf() * covariance_ * PlacementOf().transpose() + Shaking(motion_);
+  return covariance_.topLeftCorner<kPlacement, kPlacement>() + Shaking(motion_);
 }
 
 BodyPose BodyFilter::Pose(const Body& body) const { return PoseOf(body, at_, PlacementCovariance()); }

@@ -9,8 +9,8 @@
 
 namespace adit::track {
 
-/// The state is the middle of the bars, its velocity, the rotation of the body, and its rate: x = (p, v,
-/// theta, w), 12 parameters, theta a small rotation in the axes of b (an error-state filter). It moves as
+/// The state is the middle of the bars, the rotation of the body, and the rates of both: x = (p, theta,
+/// v, w), 12 parameters, theta a small rotation in the axes of b (an error-state filter). It moves as
 /// BarFilter does, and takes single bars in: one alone leaves the turn around it to the filter.
 ///
 /// Rig frame, metres. One thread; no allocation.

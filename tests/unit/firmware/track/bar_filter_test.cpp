@@ -63,8 +63,9 @@ struct Chase {
     const Vector3d across = truth.Direction() - estimated.dot(truth.Direction()) * estimated;
     const double angle_rad = std::atan2(across.norm(), estimated.dot(truth.Direction()));
     Eigen::Matrix<double, 10, 1> error;
-    error << truth.CentreM() - filter.Place().point_b_m, truth.VelocityMPerS() - filter.VelocityMPerS(),
+    error << truth.CentreM() - filter.Place().point_b_m,
         filter.Tangent().transpose() * across * (angle_rad / across.norm()),
+        truth.VelocityMPerS() - filter.VelocityMPerS(),
         filter.Tangent().transpose() * (truth.DirectionRate() - filter.DirectionRate());
     return error.dot(filter.GetCovariance().inverse() * error);
   }

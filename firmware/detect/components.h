@@ -1,6 +1,7 @@
 // Bright runs -> connected components (8 neighbours), by union-find while the rows come.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -57,11 +58,11 @@ class Components {
   std::uint32_t Root(std::uint32_t component);
   void DropJoined();
 
-  RowScan scan8_, scan16_;
-  std::uint16_t x_px_ = 0, y_px_ = 0;  ///< of the window's left edge and of the row at hand
-  std::vector<LitWord> lit_;           ///< of the row at hand
-  std::vector<std::uint16_t> edges_;   ///< of the row at hand
-  std::vector<Run> runs_;              ///< row by row, a sentinel after each
+  std::array<std::array<RowScan, 2>, 2> scans_;  ///< by bytes of a pixel less one, and by whether it is lit
+  std::uint16_t x_px_ = 0, y_px_ = 0;            ///< of the window's left edge and of the row at hand
+  std::vector<LitWord> lit_;                     ///< of the row at hand
+  std::vector<std::uint16_t> edges_;             ///< of the row at hand
+  std::vector<Run> runs_;                        ///< row by row, a sentinel after each
   std::vector<Component> components_;
   std::vector<std::uint32_t> parent_;  ///< of each component; the earliest of those that meet is their root
   std::uint32_t run_count_ = 0, component_count_ = 0;

@@ -111,6 +111,7 @@ struct Avx2x8 {
     const __m256i pixels = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
     return BitsOf(_mm256_cmpeq_epi8(_mm256_max_epu8(pixels, least), pixels));
   }
+  ADIT_AVX2 static __m256i Larger(__m256i a, __m256i b) { return _mm256_max_epu8(a, b); }
 };
 
 struct Avx2x16 {
@@ -124,10 +125,22 @@ struct Avx2x16 {
     // Packing works within halves: 0 2 1 3 puts the quarters back in order.
     return BitsOf(_mm256_permute4x64_epi64(_mm256_packs_epi16(a, b), 0b11'01'10'00));
   }
+  ADIT_AVX2 static __m256i Larger(__m256i a, __m256i b) { return _mm256_max_epu16(a, b); }
 };
 
-/// Scan again, without lambdas: those would not be compiled for AVX2.
-template <typename Half>
+/// Whether all pixels of a block are dark: nothing is larger than one less than the least bright value.
+template <typename Half, int kVectors>
+ADIT_AVX2 bool AllDark(const std::uint8_t* at, __m256i brightest_dark) {
+  const auto* const p = reinterpret_cast<const __m256i*>(at);
+  __m256i most = _mm256_loadu_si256(p);
+  for (int i = 1; i < kVectors; ++i) most = Half::Larger(most, _mm256_loadu_si256(p + i));
+  const __m256i same = _mm256_cmpeq_epi8(Half::Larger(most, brightest_dark), brightest_dark);
+  return _mm256_movemask_epi8(same) == -1;
+}
+
+/// Scan again, without lambdas: those would not be compiled for AVX2. With kDark, blocks that are dark are
+/// passed over; a branch that costs more than it saves where lamps are.
+template <typename Half, bool kDark>
 ADIT_AVX2 std::size_t ScanAvx2(const std::uint8_t* row, int width, int threshold, LitWord* lit) {
   constexpr std::ptrdiff_t kHalfBytes = std::ptrdiff_t{sizeof(typename Half::Pixel)} * kHalf;
   const __m256i least = Half::Least(threshold + 1);
@@ -137,7 +150,19 @@ ADIT_AVX2 std::size_t ScanAvx2(const std::uint8_t* row, int width, int threshold
     words.Add(Half::Bits(row, least) | Half::Bits(last, least) << (width - kHalf), 0);
     return words.Count();
   }
+  const __m256i brightest_dark = Half::Least(threshold);
+  constexpr int kBlockVectors = 8;
+  constexpr int kBlock = kBlockVectors * 32 / static_cast<int>(sizeof(typename Half::Pixel));
   int x = 0;
+  while (kDark && x + kBlock <= width) {
+    const int end = x + kBlock;
+    if (AllDark<Half, kBlockVectors>(row, brightest_dark)) {
+      x = end, row += 32 * kBlockVectors;
+      continue;
+    }
+    for (; x < end; x += kWord, row += 2 * kHalfBytes)
+      words.Add(Half::Bits(row, least) | Half::Bits(row + kHalfBytes, least) << kHalf, x);
+  }
   for (; x + kWord <= width; x += kWord, row += 2 * kHalfBytes)
     words.Add(Half::Bits(row, least) | Half::Bits(row + kHalfBytes, least) << kHalf, x);
   if (x < width) {
@@ -185,6 +210,15 @@ std::size_t ScanRow(const std::uint8_t* row, int width, int threshold, LitWord* 
   return (width < kHalf ? kPlain : kScan)(row, width, threshold, lit);
 }
 
+#if defined(__x86_64__)
+
+template <typename Half, RowScan kPlain>
+RowScan ForAvx2(bool dark) {
+  return dark ? ScanRow<Half, ScanAvx2<Half, true>, kPlain> : ScanRow<Half, ScanAvx2<Half, false>, kPlain>;
+}
+
+#endif
+
 }  // namespace
 
 std::size_t ScanRowPlain8(const std::uint8_t* row, int width, int threshold, LitWord* lit) {
@@ -195,12 +229,10 @@ std::size_t ScanRowPlain16(const std::uint8_t* row, int width, int threshold, Li
   return ScanPlain<std::uint16_t>(row, width, threshold, lit);
 }
 
-RowScan FastestRowScan(int bytes_per_pixel) {
+RowScan FastestRowScan(int bytes_per_pixel, [[maybe_unused]] bool dark) {
   const bool bytes = bytes_per_pixel == 1;
 #if defined(__x86_64__)
-  if (HasAvx2())
-    return bytes ? ScanRow<Avx2x8, ScanAvx2<Avx2x8>, ScanRowPlain8>
-                 : ScanRow<Avx2x16, ScanAvx2<Avx2x16>, ScanRowPlain16>;
+  if (HasAvx2()) return bytes ? ForAvx2<Avx2x8, ScanRowPlain8>(dark) : ForAvx2<Avx2x16, ScanRowPlain16>(dark);
   return bytes ? ScanRow<Sse2x8, Scan<Sse2x8>, ScanRowPlain8>
                : ScanRow<Sse2x16, Scan<Sse2x16>, ScanRowPlain16>;
 #elif defined(__aarch64__)

@@ -20,8 +20,9 @@ using RowScan = std::size_t (*)(const std::uint8_t* row, int width, int threshol
 /// The straightforward loops, for pixels of one byte and of two, which the others are compared with.
 std::size_t ScanRowPlain8(const std::uint8_t* row, int width, int threshold, LitWord* lit);
 std::size_t ScanRowPlain16(const std::uint8_t* row, int width, int threshold, LitWord* lit);
-/// 64 pixels at a time with the widest instructions of this processor that pay (AVX2, SSE2, NEON).
-RowScan FastestRowScan(int bytes_per_pixel);
+/// 64 pixels at a time with the widest instructions of this processor that pay (AVX2, SSE2, NEON). For `dark`
+/// rows, which hold hardly anything bright, another one may be the fastest.
+RowScan FastestRowScan(int bytes_per_pixel, bool dark);
 
 /// Room that a RowScan wants.
 constexpr std::size_t LitWordsRoom(int width) { return (static_cast<std::size_t>(width) + 63) / 64 + 1; }

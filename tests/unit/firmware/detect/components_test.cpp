@@ -188,23 +188,25 @@ TEST_GROUP(RowScan) {
   /// Rows with dark and lit stretches, at the threshold and about it, against the plain loop.
   template <typename Pixel>
   void CompareWithPlain(adit::detect::RowScan plain, unsigned levels) {
-    constexpr int kLongest = 400, kSlack = 3;
+    constexpr int kLongest = 1400, kSlack = 3;
     std::vector<Pixel> row(kLongest);
     std::vector<LitWord> slow(adit::detect::LitWordsRoom(kLongest)), fast(slow.size());
     for (int round = 0; round < 3000; ++round) {
       const int width = static_cast<int>(random() % (kLongest - kSlack + 1));
       const unsigned threshold = static_cast<unsigned>(random() % levels);
-      const std::size_t length = 1 + random() % 90;
+      const std::size_t length = 1 + random() % 400;
       for (std::size_t x = 0; x < row.size(); ++x)
         row[x] = static_cast<Pixel>((x / length) % 2 == 0 ? threshold : random() % levels);
       // Rows begin anywhere in memory.
       const auto* const at = reinterpret_cast<const std::uint8_t*>(row.data() + round % kSlack);
       const std::size_t words = plain(at, width, static_cast<int>(threshold), slow.data());
-      LONGS_EQUAL(words, adit::detect::FastestRowScan(sizeof(Pixel))(at, width, static_cast<int>(threshold),
-                                                                     fast.data()));
-      for (std::size_t i = 0; i < words; ++i) {
-        CHECK(slow[i].bright == fast[i].bright);
-        LONGS_EQUAL(slow[i].first_px, fast[i].first_px);
+      for (const bool dark : {false, true}) {
+        const auto scan = adit::detect::FastestRowScan(sizeof(Pixel), dark);
+        LONGS_EQUAL(words, scan(at, width, static_cast<int>(threshold), fast.data()));
+        for (std::size_t i = 0; i < words; ++i) {
+          CHECK(slow[i].bright == fast[i].bright);
+          LONGS_EQUAL(slow[i].first_px, fast[i].first_px);
+        }
       }
     }
   }

@@ -1,9 +1,10 @@
 #include "firmware/track/bar_filter.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "firmware/base/symmetric.h"
+#include "firmware/track/joseph_update.h"
 #include "firmware/track/white_acceleration.h"
 
 namespace adit::track {
@@ -38,7 +39,7 @@ BarFilter::BarFilter(const MotionOptions& options, base::TimeNs exposure_ns, con
   basis_.col(1) = basis_.col(0).unitOrthogonal();
   basis_.col(2) = basis_.col(0).cross(basis_.col(1));
   const InnovationCovariance noise = NoiseOf(measured);
-  covariance_ = Measured().transpose() * noise * Measured();
+  covariance_ = base::Congruence(Eigen::Matrix<double, 10, 5>(Measured().transpose()), noise);
   covariance_.diagonal().segment<3>(kSpeed).setConstant(options.speed_m_per_s * options.speed_m_per_s);
   covariance_.diagonal().segment<2>(kAsideRate).setConstant(options.rate_rad_per_s * options.rate_rad_per_s);
 }
@@ -71,7 +72,7 @@ BarFilter::InnovationCovariance BarFilter::NoiseOf(const BarPlace& measured) con
   Eigen::Matrix<double, 5, 6> across = Eigen::Matrix<double, 5, 6>::Zero();
   across.topLeftCorner<3, 3>().setIdentity();
   across.bottomRightCorner<2, 3>() = Tangent().transpose();
-  InnovationCovariance noise = across * measured.covariance * across.transpose();
+  InnovationCovariance noise = base::Congruence(across, measured.covariance);
   noise.diagonal().head<3>().array() += kNoiseMinM * kNoiseMinM;
   noise.diagonal().tail<2>().array() += kNoiseMinRad * kNoiseMinRad;
   return noise;
@@ -80,10 +81,8 @@ BarFilter::InnovationCovariance BarFilter::NoiseOf(const BarPlace& measured) con
 std::optional<double> BarFilter::ChiSquare(const BarPlace& measured) const {
   const auto innovation = InnovationOf(measured);
   if (!innovation) return std::nullopt;
-  const InnovationCovariance s = Measured() * covariance_ * Measured().transpose() + NoiseOf(measured);
-  const Eigen::LDLT<InnovationCovariance> factors(s);
-  if (factors.info() != Eigen::Success || !factors.isPositive()) return std::nullopt;
-  const double chi_square = innovation->dot(factors.solve(*innovation));
+  const InnovationCovariance s = base::Congruence(Measured(), covariance_) + NoiseOf(measured);
+  const double chi_square = base::MahalanobisSquared(s, *innovation);
   if (!std::isfinite(chi_square)) return std::nullopt;
   return chi_square;
 }
@@ -91,18 +90,11 @@ std::optional<double> BarFilter::ChiSquare(const BarPlace& measured) const {
 void BarFilter::Update(const BarPlace& measured) {
   const auto innovation = InnovationOf(measured);
   ADIT_REQUIRE(innovation.has_value());
-  const Picker h = Measured();
-  const InnovationCovariance noise = NoiseOf(measured);
-  const InnovationCovariance s = h * covariance_ * h.transpose() + noise;
-  const Eigen::Matrix<double, 10, 5> gain = s.ldlt().solve(h * covariance_).transpose();
-  const Eigen::Matrix<double, 10, 1> step = gain * *innovation;
+  const Eigen::Matrix<double, 10, 1> step = TakeIn(Measured(), NoiseOf(measured), *innovation, covariance_);
   point_b_m_ += step.segment<3>(kPoint);
   velocity_m_per_s_ += step.segment<3>(kSpeed);
   rate_rad_per_s_ += step.segment<2>(kAsideRate);
   Turn(step.segment<2>(kAside));
-  const Covariance left = Covariance::Identity() - gain * h;
-  covariance_ = left * covariance_ * left.transpose() + gain * noise * gain.transpose();
-  covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
 }
 
 /// Takes the basis along the great circle by `step_rad`.
@@ -122,7 +114,7 @@ BarPlace BarFilter::Place() const {
   Eigen::Matrix<double, 6, 10> by_state = Eigen::Matrix<double, 6, 10>::Zero();
   by_state.block<3, 3>(0, kPoint).setIdentity();
   by_state.block<3, 2>(3, kAside) = Tangent();
-  place.covariance = by_state * covariance_ * by_state.transpose();
+  place.covariance = base::Congruence(by_state, covariance_);
   return place;
 }
 

@@ -1,7 +1,7 @@
 #include "firmware/track/body_filter.h"
 
-#include <Eigen/Cholesky>
-
+#include "firmware/base/symmetric.h"
+#include "firmware/track/joseph_update.h"
 #include "firmware/track/white_acceleration.h"
 
 namespace adit::track {
@@ -36,7 +36,8 @@ BodyFilter::BodyFilter(const MotionOptions& motion, base::TimeNs exposure_ns, co
                        const BodyPose& pose)
     : motion_(motion), exposure_ns_(exposure_ns), at_{pose.T_b_t * body.MiddleM(), pose.T_b_t.rotation} {
   const Matrix6d of_middle = MovedCovariance(pose.covariance, pose.T_b_t.rotation * body.MiddleM());
-  covariance_ = PlacementOf().transpose() * (of_middle + Shaking(motion)) * PlacementOf();
+  covariance_ = base::Congruence(Eigen::Matrix<double, 12, 6>(PlacementOf().transpose()),
+                                 Matrix6d(of_middle + Shaking(motion)));
   covariance_.diagonal().segment<3>(kVelocity).setConstant(motion.speed_m_per_s * motion.speed_m_per_s);
   covariance_.diagonal().segment<3>(kRate).setConstant(motion.rate_rad_per_s * motion.rate_rad_per_s);
 }
@@ -62,25 +63,20 @@ bool BodyFilter::Take(const Body& body, const BodyBar& bar, const BarPlace& seen
   const Difference difference = Compare(body, bar, seen, at_);
   const Eigen::Matrix<double, 5, 12> h = difference.by_place * PlacementOf();
   const Eigen::Matrix<double, 5, 5> noise =
-      difference.covariance + difference.by_place * Shaking(motion_) * difference.by_place.transpose();
-  const Eigen::Matrix<double, 5, 5> s = h * covariance_ * h.transpose() + noise;
-  const auto factors = s.ldlt();
+      difference.covariance + base::Congruence(difference.by_place, Shaking(motion_));
+  const Eigen::Matrix<double, 5, 5> s = base::Congruence(h, covariance_) + noise;
   // Written so that NaN does not pass.
-  if (!(difference.residual.dot(factors.solve(difference.residual)) <= motion_.chi_square_max)) return false;
-  const Eigen::Matrix<double, 12, 5> gain = factors.solve(h * covariance_).transpose();
-  const Eigen::Matrix<double, 12, 1> step = gain * difference.residual;
+  if (!(base::MahalanobisSquared(s, difference.residual) <= motion_.chi_square_max)) return false;
+  const Eigen::Matrix<double, 12, 1> step = TakeIn(h, noise, difference.residual, covariance_);
   at_ = Stepped(at_, PlacementOf() * step);
   velocity_m_per_s_ += step.segment<3>(kVelocity);
   rate_rad_per_s_ += step.segment<3>(kRate);
-  const Covariance left = Covariance::Identity() - gain * h;
-  covariance_ = left * covariance_ * left.transpose() + gain * noise * gain.transpose();
-  covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
   return true;
 }
 
 /// Of what shakes and what does not.
 Matrix6d BodyFilter::PlacementCovariance() const {
-  return PlacementOf() * covariance_ * PlacementOf().transpose() + Shaking(motion_);
+  return base::Congruence(PlacementOf(), covariance_) + Shaking(motion_);
 }
 
 BodyPose BodyFilter::Pose(const Body& body) const { return PoseOf(body, at_, PlacementCovariance()); }
@@ -88,7 +84,7 @@ BodyPose BodyFilter::Pose(const Body& body) const { return PoseOf(body, at_, Pla
 BarPlace BodyFilter::PlaceOf(const Body& body, const BodyBar& bar) const {
   const ExpectedBar expected = Expected(body, bar, at_);
   BarPlace place = expected.place;
-  place.covariance += expected.by_place * PlacementCovariance() * expected.by_place.transpose();
+  place.covariance += base::Congruence(expected.by_place, PlacementCovariance());
   return place;
 }
 

@@ -1,10 +1,10 @@
 #include "firmware/stereo/bar_fit.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <cmath>
 #include <utility>
 
+#include "firmware/base/symmetric.h"
 #include "firmware/stereo/levenberg_marquardt.h"
 
 namespace adit::stereo {
@@ -144,7 +144,7 @@ Vector3d BarFit::PointM(const base::Target& target, double place_m) const {
 
 Eigen::Matrix3d BarFit::PointCovarianceM2(const base::Target& target, double place_m) const {
   const auto by_parameters = PointSlope(tangent, place_m - MeanPlaceM(target));
-  return by_parameters * covariance * by_parameters.transpose();
+  return base::Congruence(by_parameters, covariance);
 }
 
 Eigen::Matrix3d BarFit::PointDirectionCovarianceM(const base::Target& target, double place_m) const {
@@ -186,7 +186,7 @@ std::optional<BarFit> FitBar(const Views& views, const base::Target& target,
     apart << second.centre_b_m - fit.bar.centre_b_m,
         TangentOf(fit.bar.direction_b).transpose() * (second.direction_b - fit.bar.direction_b);
   }
-  fit.covariance = minimum.information.inverse() + share * apart * apart.transpose();
+  fit.covariance = base::InverseSymmetric(minimum.information) + share * apart * apart.transpose();
   if (!fit.covariance.allFinite()) return std::nullopt;
   fit.tangent = TangentOf(fit.bar.direction_b);
   BarProblem::Jacobian unused;
@@ -219,7 +219,7 @@ double ChiSquare(const Views& views, const base::Target& target, const BarObserv
   normal(6, 6) += prior(allowance.right_image_px);
   normal(7, 7) += prior(allowance.scale);
   const Eigen::Matrix<double, kColumns, 1> b = by_all.transpose() * residuals;
-  return residuals.squaredNorm() - b.dot(normal.ldlt().solve(b));
+  return residuals.squaredNorm() - b.dot(base::SolveSymmetric(normal, b));
 }
 
 }  // namespace adit::stereo

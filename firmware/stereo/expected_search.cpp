@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/base/symmetric.h"
+
 namespace adit::stereo {
 
 using base::kLedCount;
@@ -20,7 +22,7 @@ LocatedPoint ExpectedPoint(const Expectation& expected, double place_m) {
   Eigen::Matrix<double, 3, 6> by_state;
   by_state << Matrix3d::Identity(), place_m * Matrix3d::Identity();
   return {expected.led1_b_m + place_m * expected.direction_b,
-          by_state * expected.covariance * by_state.transpose()};
+          base::Congruence(by_state, expected.covariance)};
 }
 
 }  // namespace
@@ -42,7 +44,7 @@ bool IsExpected(const base::Target& target, const Expectation& expected, const S
     const LocatedPoint there = ExpectedPoint(expected, place_m);
     const Vector3d offset = solution.fit.PointM(target, place_m) - there.point_b_m;
     const Matrix3d covariance = there.covariance_m2 + solution.fit.PointCovarianceM2(target, place_m);
-    if (!(offset.dot(covariance.ldlt().solve(offset)) <= limit)) return false;
+    if (!(base::MahalanobisSquared(covariance, offset) <= limit)) return false;
   }
   return true;
 }

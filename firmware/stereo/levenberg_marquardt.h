@@ -1,8 +1,9 @@
 // Levenberg-Marquardt for small problems of fixed size: no heap.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
+
+#include "firmware/base/symmetric.h"
 
 namespace adit::stereo {
 
@@ -43,7 +44,7 @@ Minimum<Problem::kParameters> Minimise(const Problem& problem, typename Problem:
     minimum.information = jacobian.transpose().lazyProduct(jacobian);
     auto damped = minimum.information;
     damped.diagonal() *= 1 + damping;
-    const Step step = damped.ldlt().solve(-jacobian.transpose() * residuals);
+    const Step step = base::SolveSymmetric(damped, Step(-jacobian.transpose() * residuals));
     if (!step.allFinite()) return minimum;
     // With much damping every step is short; that says nothing.
     const bool short_step = damping < 1 && step.dot(minimum.information * step) < kShortStep;

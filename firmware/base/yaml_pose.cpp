@@ -1,8 +1,9 @@
 #include "firmware/base/yaml_pose.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <sstream>
+
+#include "firmware/base/symmetric.h"
 
 namespace adit::base {
 namespace {
@@ -42,8 +43,7 @@ void ReadCovariance(YamlReader& in, const std::string& key, Eigen::Matrix<double
   const double rounding = kRounding * covariance.cwiseAbs().maxCoeff();
   if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > rounding)
     return in.Refuse(key, "is not symmetric");
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(covariance, Eigen::EigenvaluesOnly);
-  if (solver.eigenvalues().minCoeff() < -rounding)
+  if (!IsSemidefinite(covariance, rounding))
     in.Refuse(key, "gives some combination of its parameters a negative variance");
 }
 

@@ -1,9 +1,9 @@
 #include "firmware/track/bar_filter.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "firmware/base/symmetric.h"
 #include "firmware/track/joseph_update.h"
 #include "firmware/track/white_acceleration.h"
 
@@ -74,9 +74,7 @@ std::optional<double> BarFilter::ChiSquare(const BarPlace& measured) const {
   const auto innovation = InnovationOf(measured);
   if (!innovation) return std::nullopt;
   const InnovationCovariance s = covariance_.topLeftCorner<kMeasured, kMeasured>() + NoiseOf(measured);
-  const Eigen::LDLT<InnovationCovariance> factors(s);
-  if (factors.info() != Eigen::Success || !factors.isPositive()) return std::nullopt;
-  const double chi_square = innovation->dot(factors.solve(*innovation));
+  const double chi_square = base::MahalanobisSquared(s, *innovation);
   if (!std::isfinite(chi_square)) return std::nullopt;
   return chi_square;
 }
@@ -84,16 +82,12 @@ std::optional<double> BarFilter::ChiSquare(const BarPlace& measured) const {
 void BarFilter::Update(const BarPlace& measured) {
   const auto innovation = InnovationOf(measured);
   ADIT_REQUIRE(innovation.has_value());
-  const InnovationCovariance noise = NoiseOf(measured);
-  const InnovationCovariance s = covariance_.topLeftCorner<kMeasured, kMeasured>() + noise;
-  const Eigen::Matrix<double, 10, 5> gain = s.ldlt().solve(covariance_.topRows<kMeasured>()).transpose();
-  const Eigen::Matrix<double, 10, 1> step = gain * *innovation;
+  const InnovationCovariance h = InnovationCovariance::Identity();
+  const Eigen::Matrix<double, 10, 1> step = TakeIn(h, NoiseOf(measured), *innovation, covariance_);
   point_b_m_ += step.segment<3>(kPoint);
   velocity_m_per_s_ += step.segment<3>(kSpeed);
   rate_rad_per_s_ += step.segment<2>(kAsideRate);
   Turn(step.segment<2>(kAside));
-  const InnovationCovariance h = InnovationCovariance::Identity();
-  JosephUpdate(covariance_, h, gain, noise);
 }
 
 /// Takes the basis along the great circle by `step_rad`.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "firmware/base/symmetric.h"
 #include "firmware/base/target.h"
 #include "firmware/stereo/point_set.h"
 
@@ -19,7 +20,7 @@ struct BarPlace {
   BarPlace Moved(double along_m) const {
     Eigen::Matrix<double, 6, 6> by_place = Eigen::Matrix<double, 6, 6>::Identity();
     by_place.topRightCorner<3, 3>() = along_m * Eigen::Matrix3d::Identity();
-    return {point_b_m + along_m * direction_b, direction_b, by_place * covariance * by_place.transpose()};
+    return {point_b_m + along_m * direction_b, direction_b, base::Congruence(by_place, covariance)};
   }
 };
 

@@ -1,7 +1,6 @@
 #include "firmware/track/body_filter.h"
 
-#include <Eigen/Cholesky>
-
+#include "firmware/base/symmetric.h"
 #include "firmware/track/joseph_update.h"
 #include "firmware/track/white_acceleration.h"
 
@@ -55,18 +54,15 @@ void BodyFilter::Advance(base::TimeNs exposure_ns) {
 bool BodyFilter::Take(const Body& body, const BodyBar& bar, const BarPlace& seen) {
   const Difference difference = Compare(body, bar, seen, at_);
   const Eigen::Matrix<double, 5, kPlacement>& h = difference.by_place;
-  const Eigen::Matrix<double, 5, 5> noise = difference.covariance + h * Shaking(motion_) * h.transpose();
-  const Eigen::Matrix<double, 5, 12> by_state = h.lazyProduct(covariance_.topRows<kPlacement>());
-  const Eigen::Matrix<double, 5, 5> s = by_state.leftCols<kPlacement>().lazyProduct(h.transpose()) + noise;
-  const auto factors = s.ldlt();
+  const Eigen::Matrix<double, 5, 5> noise = difference.covariance + base::Congruence(h, Shaking(motion_));
+  const Eigen::Matrix<double, 5, 5> s =
+      base::Congruence(h, Matrix6d(covariance_.topLeftCorner<kPlacement, kPlacement>())) + noise;
   // Written so that NaN does not pass.
-  if (!(difference.residual.dot(factors.solve(difference.residual)) <= motion_.chi_square_max)) return false;
-  const Eigen::Matrix<double, 12, 5> gain = factors.solve(by_state).transpose();
-  const Eigen::Matrix<double, 12, 1> step = gain * difference.residual;
+  if (!(base::MahalanobisSquared(s, difference.residual) <= motion_.chi_square_max)) return false;
+  const Eigen::Matrix<double, 12, 1> step = TakeIn(h, noise, difference.residual, covariance_);
   at_ = Stepped(at_, step.head<kPlacement>());
   velocity_m_per_s_ += step.segment<3>(kVelocity);
   rate_rad_per_s_ += step.segment<3>(kRate);
-  JosephUpdate(covariance_, h, gain, noise);
   return true;
 }
 
@@ -80,7 +76,7 @@ BodyPose BodyFilter::Pose(const Body& body) const { return PoseOf(body, at_, Pla
 BarPlace BodyFilter::PlaceOf(const Body& body, const BodyBar& bar) const {
   const ExpectedBar expected = Expected(body, bar, at_);
   BarPlace place = expected.place;
-  place.covariance += expected.by_place * PlacementCovariance() * expected.by_place.transpose();
+  place.covariance += base::Congruence(expected.by_place, PlacementCovariance());
   return place;
 }
 

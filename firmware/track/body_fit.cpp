@@ -1,10 +1,10 @@
 #include "firmware/track/body_fit.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cmath>
+
+#include "firmware/base/rotation.h"
+#include "firmware/base/symmetric.h"
 
 namespace adit::track {
 
@@ -50,10 +50,8 @@ Placement Align(const Body& body, const SeenBars& seen) {
     spread += 2 * (seen[i]->point_b_m - mean_b_m) * (bar.CentreM() - mean_t_m).transpose();
     spread += 0.5 * bar.length_m * bar.length_m * seen[i]->direction_b * bar.direction_t.transpose();
   }
-  const Eigen::JacobiSVD<Matrix3d> svd(spread, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double hand = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
   Placement at;
-  at.rotation = svd.matrixU() * Vector3d(1, 1, hand).asDiagonal() * svd.matrixV().transpose();
+  at.rotation = base::NearestRotation(spread);
   at.middle_b_m = mean_b_m + at.rotation * (body.MiddleM() - mean_t_m);
   return at;
 }
@@ -74,7 +72,7 @@ bool BarsFit(const Body& body, const SeenBars& seen, const Placement& at) {
     const double scale_m = kScaleSigma * (body.bars[i].CentreM() - body.MiddleM()).norm();
     wide.diagonal().head<3>().array() += scale_m * scale_m;
     wide.diagonal().tail<2>().array() += kScaleSigma * kScaleSigma;
-    chi_square += difference.residual.dot(wide.ldlt().solve(difference.residual));
+    chi_square += base::MahalanobisSquared(wide, difference.residual);
     freedoms += 5;
   }
   return chi_square <= ChiSquareMax(freedoms);  // a NaN does not fit
@@ -113,7 +111,7 @@ Difference Compare(const Body& body, const BodyBar& bar, const BarPlace& seen, c
   Vector6d both;
   both << seen.point_b_m - expected.place.point_b_m, seen.direction_b - direction;
   const Matrix6d covariance = seen.covariance + expected.place.covariance;
-  return {across * both, across * expected.by_place, across * covariance * across.transpose()};
+  return {across * both, across * expected.by_place, base::Congruence(across, covariance)};
 }
 
 BodyPose PoseOf(const Body& body, const Placement& at, const Matrix6d& covariance) {
@@ -133,16 +131,17 @@ std::optional<BodyPose> FitBody(const Body& body, const SeenBars& seen) {
     for (std::size_t k = 0; k < body.bars.size(); ++k) {
       if (!seen[k]) continue;
       const Difference difference = Compare(body, body.bars[k], *seen[k], at);
-      const Eigen::Matrix<double, 5, 6> weighted = difference.covariance.ldlt().solve(difference.by_place);
+      const Eigen::Matrix<double, 5, 6> weighted =
+          base::SolveSymmetric(difference.covariance, difference.by_place);
       information += weighted.transpose() * difference.by_place;
       gradient += weighted.transpose() * difference.residual;
     }
-    const Vector6d step = information.ldlt().solve(gradient);
+    const Vector6d step = base::SolveSymmetric(information, gradient);
     if (!step.allFinite()) return std::nullopt;
     at = Stepped(at, step);
     if (step.norm() < kShortStep) break;
   }
-  const Matrix6d covariance = information.inverse();
+  const Matrix6d covariance = base::InverseSymmetric(information);
   const double turn_variance = covariance.bottomRightCorner<3, 3>().trace();
   // Written so that NaN declines.
   if (!(covariance.allFinite() && turn_variance <= kTurnSigmaMaxRad * kTurnSigmaMaxRad)) return std::nullopt;

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "firmware/base/pose.h"
+#include "firmware/base/symmetric.h"
 
 namespace adit::track {
 
@@ -21,7 +22,7 @@ inline Eigen::Matrix<double, 6, 6> MovedCovariance(const Eigen::Matrix<double, 6
                                                    const Eigen::Vector3d& arm_b_m) {
   Eigen::Matrix<double, 6, 6> by_pose = Eigen::Matrix<double, 6, 6>::Identity();
   by_pose.topRightCorner<3, 3>() = -base::Skew(arm_b_m);
-  return by_pose * covariance * by_pose.transpose();
+  return base::Congruence(by_pose, covariance);
 }
 
 }  // namespace adit::track

@@ -1,8 +1,9 @@
 #include "firmware/watch/bar_view.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
+
+#include "firmware/base/symmetric.h"
 
 namespace adit::watch {
 
@@ -108,20 +109,20 @@ std::optional<Information> BarView::Read(const stereo::Views& views, const base:
       all.by_bar.transpose().lazyProduct(all.by_bar);
   const Eigen::Matrix<double, kBarParameters, 6> mixed = all.by_bar.transpose().lazyProduct(all.by_motion);
   const Eigen::Matrix<double, kBarParameters, 1> bar_gradient = all.by_bar.transpose() * all.residuals;
-  const Eigen::LLT<Eigen::Matrix<double, kBarParameters, kBarParameters>> solver(bar);
-  if (solver.info() != Eigen::Success) return std::nullopt;
-  const Eigen::Matrix<double, kBarParameters, 6> pulled = solver.solve(mixed);
+  const Eigen::Matrix<double, kBarParameters, kBarParameters> inverse = base::InverseSymmetric(bar);
+  if (!inverse.allFinite()) return std::nullopt;
+  const Eigen::Matrix<double, kBarParameters, 6> pulled = inverse.lazyProduct(mixed);
   Information information;
   information.normal = all.by_motion.transpose().lazyProduct(all.by_motion);
   information.normal -= mixed.transpose().lazyProduct(pulled);
   // seen + J x - measured = noise: the residuals' own gradient changes its sign.
   information.gradient = pulled.transpose() * bar_gradient - all.by_motion.transpose() * all.residuals;
-  information.chi_square = all.residuals.squaredNorm() - bar_gradient.dot(solver.solve(bar_gradient));
+  information.chi_square = all.residuals.squaredNorm() - bar_gradient.dot(inverse * bar_gradient);
   information.redundancy = kCoordinates - kBarParameters;
   MotionMatrix wide = information.normal;
   wide.diagonal().head<3>().array() += 1 / (kWidestTurnRad * kWidestTurnRad);
   wide.diagonal().tail<3>().array() += 1 / (kWidestShiftM * kWidestShiftM);
-  const double explained = information.gradient.dot(wide.llt().solve(information.gradient));
+  const double explained = base::MahalanobisSquared(wide, information.gradient);
   if (!(information.chi_square - explained <= chi_square_max)) return std::nullopt;
   return information;
 }

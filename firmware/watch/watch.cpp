@@ -1,8 +1,9 @@
 #include "firmware/watch/watch.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "firmware/base/symmetric.h"
 
 namespace adit::watch {
 
@@ -29,7 +30,7 @@ MotionMatrix AsMotion(const optics::Rig& rig, const MotionMatrix& covariance) {
   MotionMatrix map = MotionMatrix::Identity();
   map.bottomLeftCorner<3, 3>() = back * base::Skew(rig.T_r_l.translation_m);
   map.bottomRightCorner<3, 3>() = back;
-  return map * covariance * map.transpose();
+  return base::Congruence(map, covariance);
 }
 
 }  // namespace
@@ -42,7 +43,7 @@ Watch::Watch(const optics::Rig& rig, const std::vector<base::Target>& targets, c
   const double scale_m = kBarScale * rig.BaselineM();
   prior_covariance_.diagonal().tail<3>().array() += scale_m * scale_m + std::pow(options.shift_sigma_m, 2);
   prior_covariance_.diagonal().head<3>().array() += std::pow(options.allowance_rad, 2);
-  prior_ = prior_covariance_.inverse();
+  prior_ = base::InverseSymmetric(prior_covariance_);
   change_prior_.setZero();
   change_prior_.diagonal().head<3>().setConstant(1 / (kTurnRad * kTurnRad));
   change_prior_.diagonal().tail<3>().setConstant(1 / std::pow(options.shift_sigma_m, 2));
@@ -107,7 +108,7 @@ void Watch::EndSecond() {
 }
 
 void Watch::Learn(Lane& lane) const {
-  const MotionMatrix covariance = (prior_ + lane.learning.normal).inverse();
+  const MotionMatrix covariance = base::InverseSymmetric(MotionMatrix(prior_ + lane.learning.normal));
   lane.reference.motion = covariance * lane.learning.gradient;
   lane.reference.by_prior = covariance * prior_;
   lane.reference.by_noise = covariance * lane.learning.normal * covariance;
@@ -133,11 +134,11 @@ void Watch::Test() {
     noise += window.normal * lane.reference.by_noise * window.normal;
   }
   if (all.redundancy < kRedundancyMin) return;
-  const MotionMatrix gain = (all.normal + change_prior_).inverse();
+  const MotionMatrix gain = base::InverseSymmetric(MotionMatrix(all.normal + change_prior_));
   const Motion change = gain * all.gradient;
   const double spread = (all.chi_square - change.dot(all.gradient)) / all.redundancy;
   noise = std::max(1.0, spread) * (noise + all.normal);
-  noise += change_prior_ + by_calibration * prior_covariance_ * by_calibration.transpose();
+  noise += change_prior_ + base::Congruence(by_calibration, prior_covariance_);
   Matrix3d covariance = (gain * noise * gain).topLeftCorner<3, 3>();
   covariance.diagonal().array() += std::pow(options_.allowance_rad, 2);
   Judge(change.head<3>(), covariance);

@@ -31,11 +31,16 @@ void BlobGrid::Build(const detect::BlobSet& blobs) {
     high = high.cwiseMax(blobs.blobs[i].ideal_px);
   }
   variance_max_px2_ = 0;
-  start_.fill(0);
   if (size_ == 0) return;
+  // Some sixteen cells a blob: with fewer a box holds more blobs, with more it takes longer to lay them out.
+  constexpr double kCellsPerRoot = 4;
+  cells_ =
+      std::min(kCells, 1 + static_cast<std::size_t>(kCellsPerRoot * std::sqrt(static_cast<double>(size_))));
+  const std::size_t count = cells_ * cells_;
+  std::fill_n(start_.begin(), count + 1, std::uint16_t{0});
   origin_px_ = low, extent_px_ = high - low;
   constexpr double kSmallestCellPx = 16;  // smaller ones only make boxes of more cells
-  cells_per_px_ = 1 / std::max(kSmallestCellPx, (high - low).maxCoeff() / kCells);
+  cells_per_px_ = 1 / std::max(kSmallestCellPx, (high - low).maxCoeff() / static_cast<double>(cells_));
 
   // Counting sort. Afterwards start_[c] is the first blob of cell c, start_[c + 1] the end.
   std::array<std::uint16_t, detect::kMaxBlobs> cell;
@@ -43,8 +48,7 @@ void BlobGrid::Build(const detect::BlobSet& blobs) {
     cell[i] = static_cast<std::uint16_t>(Cell(blobs.blobs[used[i]].ideal_px));
     ++start_[cell[i] + 1U];
   }
-  for (std::size_t c = 1; c < start_.size(); ++c)
-    start_[c] = static_cast<std::uint16_t>(start_[c] + start_[c - 1]);
+  for (std::size_t c = 1; c <= count; ++c) start_[c] = static_cast<std::uint16_t>(start_[c] + start_[c - 1]);
   for (std::size_t i = size_; i-- > 0;) {
     const detect::Blob& blob = blobs.blobs[used[i]];
     // Filling each cell from its end moves start_[c + 1] down to the cell's first; shifted back below.
@@ -54,8 +58,8 @@ void BlobGrid::Build(const detect::BlobSet& blobs) {
     variance_max_px2_ = std::max(variance_max_px2_, variance_px2_[slot]);
     index_[slot] = used[i];
   }
-  for (std::size_t c = 0; c + 1 < start_.size(); ++c) start_[c] = start_[c + 1];
-  start_.back() = static_cast<std::uint16_t>(size_);
+  for (std::size_t c = 0; c < count; ++c) start_[c] = start_[c + 1];
+  start_[count] = static_cast<std::uint16_t>(size_);
 }
 
 }  // namespace adit::identify

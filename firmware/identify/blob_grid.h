@@ -53,7 +53,7 @@ class BlobGrid {
     const double low_y = std::min(p.y(), p.y() + step.y()) - reach_px;
     const double high_y = std::max(p.y(), p.y() + step.y()) + reach_px;
     // The image ends where its blobs do.
-    if (high_y < 0 || low_y * cells_per_px_ >= kCells) return;
+    if (high_y < 0 || low_y * cells_per_px_ >= static_cast<double>(cells_)) return;
     const int y0 = Column(low_y), y1 = Column(high_y);
     const double cell_px = 1 / cells_per_px_, per_step = 1 / step.y();
     for (int y = y0; y <= y1; ++y) {
@@ -67,26 +67,26 @@ class BlobGrid {
       }
       const double xa = p.x() + from * step.x(), xb = p.x() + to * step.x();
       const double low_x = std::min(xa, xb) - reach_px, high_x = std::max(xa, xb) + reach_px;
-      if (high_x < 0 || low_x * cells_per_px_ >= kCells) continue;
+      if (high_x < 0 || low_x * cells_per_px_ >= static_cast<double>(cells_)) continue;
       VisitRow(y, Column(low_x), Column(high_x), visit);
     }
   }
 
  private:
-  static constexpr std::size_t kCells = 64;  // a side: about 22 px for a 1400 px image
+  static constexpr std::size_t kCells = 64;  // a side at most: about 22 px for a 1400 px image
 
   template <class Visit>
   void VisitRow(int y, int x0, int x1, Visit& visit) const {
-    const std::size_t row = static_cast<std::size_t>(y) * kCells;
+    const std::size_t row = static_cast<std::size_t>(y) * cells_;
     const std::size_t end = start_[row + static_cast<std::size_t>(x1) + 1];
     for (std::size_t i = start_[row + static_cast<std::size_t>(x0)]; i < end; ++i) visit(i);
   }
 
   int Column(double offset_px) const {
-    return static_cast<int>(std::clamp(offset_px * cells_per_px_, 0.0, static_cast<double>(kCells - 1)));
+    return static_cast<int>(std::clamp(offset_px * cells_per_px_, 0.0, static_cast<double>(cells_ - 1)));
   }
   std::size_t Cell(const Eigen::Vector2d& place_px) const {
-    return static_cast<std::size_t>(Column(place_px.y() - origin_px_.y())) * kCells +
+    return static_cast<std::size_t>(Column(place_px.y() - origin_px_.y())) * cells_ +
            static_cast<std::size_t>(Column(place_px.x() - origin_px_.x()));
   }
 
@@ -94,7 +94,7 @@ class BlobGrid {
   Eigen::Vector2d extent_px_ = Eigen::Vector2d::Zero();
   double cells_per_px_ = 1;
   double variance_max_px2_ = 0;
-  std::size_t size_ = 0;
+  std::size_t size_ = 0, cells_ = 1;  ///< blobs; cells a side
   std::array<double, detect::kMaxBlobs> x_px_{}, y_px_{}, variance_px2_{};
   std::array<std::uint16_t, detect::kMaxBlobs> index_{};
   std::array<std::uint16_t, kCells * kCells + 1> start_{};

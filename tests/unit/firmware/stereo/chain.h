@@ -8,6 +8,7 @@
 
 #include "firmware/identify/identifier.h"
 #include "firmware/stereo/locator.h"
+#include "tests/support/nees.h"
 #include "tests/support/synthetic_bar.h"
 
 namespace adit::stereo_tests {
@@ -42,7 +43,7 @@ struct Chain {
 /// Mahalanobis distance of the reported epicenter from the truth.
 inline double ErrorSigmas(const stereo::TargetPoints& p, const support::SyntheticBar& bar) {
   const Eigen::Vector3d error = p.epicenter_b_m - bar.Epicenter();
-  return std::sqrt(error.dot(p.epicenter_covariance_m2.ldlt().solve(error)));
+  return std::sqrt(support::Nees(error, p.epicenter_covariance_m2));
 }
 
 }  // namespace adit::stereo_tests

@@ -1,8 +1,8 @@
 #include "firmware/track/body_fit.h"
 
-#include <Eigen/LU>
 #include <cmath>
 
+#include "tests/support/nees.h"
 #include "tests/unit/firmware/track/simulated_body.h"
 
 #include <CppUTest/TestHarness.h>
@@ -59,7 +59,7 @@ TEST(BodyFit, ErrorsOfAllSixAreAsLargeAsTheirCovarianceSaysSeeds1To400) {
         const auto pose = FitBody(truth.body, seen);
         CHECK(pose.has_value());
         const auto error = ErrorOf(truth, *pose);
-        sum += error.dot(pose->covariance.inverse() * error);
+        sum += adit::support::Nees(error, pose->covariance);
       }
       // The 95 % bounds of a mean of that many chi-squares of 6.
       DOUBLES_EQUAL(6, sum / kRuns, 1.96 * std::sqrt(2 * 6.0 / kRuns));

@@ -4,6 +4,7 @@
 
 #include "firmware/track/tracker.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/nees.h"
 #include "tests/unit/firmware/track/simulated_body.h"
 
 #include <CppUTest/TestHarness.h>
@@ -125,7 +126,7 @@ TEST(BodyTrack, ALostBarIsExpectedWhereTheOthersHoldItSeeds1To100) {
     const Vector3d error_m = site.truth.Point(site.truth.built.bars[2], 0) - expected.led1_b_m;
     const Eigen::Matrix3d of_led1_m2 = expected.covariance.topLeftCorner<3, 3>();
     CHECK(std::sqrt(of_led1_m2.trace()) < 0.03);
-    sum += error_m.dot(of_led1_m2.ldlt().solve(error_m));
+    sum += adit::support::Nees(error_m, of_led1_m2);
   }
   // Not too sure; how much too careful depends on how evenly it drives.
   CHECK(sum / kRuns < 3 + 1.96 * std::sqrt(2 * 3.0 / kRuns));

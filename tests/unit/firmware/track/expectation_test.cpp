@@ -1,6 +1,7 @@
 // What the tracker expects of the next pair.
 #include <cmath>
 
+#include "tests/support/nees.h"
 #include "tests/unit/firmware/track/bar_stand.h"
 
 #include <CppUTest/TestHarness.h>
@@ -50,7 +51,7 @@ TEST(Expectation, HoldsTheBarAsItsCovarianceSaysSeeds1To300) {
     Eigen::Matrix<double, 6, 6> covariance = stand.expected[0].covariance;
     covariance.bottomRightCorner<3, 3>() +=
         stand.expected[0].direction_b * stand.expected[0].direction_b.transpose();
-    sum += error.dot(covariance.ldlt().solve(error));
+    sum += adit::support::Nees(error, covariance);
   }
   DOUBLES_EQUAL(5, sum / kRuns, 1.96 * std::sqrt(2 * 5.0 / kRuns));
 }

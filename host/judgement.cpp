@@ -29,15 +29,15 @@ Judgement Judge(const stereo::TargetPoints& reported, const sim::TargetTruth& ow
   const Vector3d along = error_m.normalized();
   const double sigma_m = std::sqrt(along.dot(reported.epicenter_covariance_m2 * along));
   // Written so that NaN is off.
-  judgement.verdict =
-      judgement.error_m <= kOffSigmas * sigma_m + kOffFloorM ? Verdict::kFound : Verdict::kOff;
+  judgement.outcome =
+      judgement.error_m <= kOffSigmas * sigma_m + kOffFloorM ? Outcome::kFound : Outcome::kOff;
   const double own_m = LedsApart(reported.leds_b_m, own.leds_m);
   Leds reversed = own.leds_m;
   std::reverse(reversed.begin(), reversed.end());
   bool swapped = LedsApart(reported.leds_b_m, reversed) < own_m;
   for (const sim::TargetTruth& other : all)
     swapped = swapped || LedsApart(reported.leds_b_m, other.leds_m) < own_m;
-  if (swapped) judgement.verdict = Verdict::kSwapped;
+  if (swapped) judgement.outcome = Outcome::kSwapped;
   return judgement;
 }
 

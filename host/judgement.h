@@ -9,7 +9,7 @@
 
 namespace adit::host {
 
-enum class Verdict : std::uint8_t {
+enum class Outcome : std::uint8_t {
   kLost,     ///< no position; says nothing of whether there should be one
   kFound,    ///< within five stated standard deviations and 10 mm
   kOff,      ///< farther off than that
@@ -17,7 +17,7 @@ enum class Verdict : std::uint8_t {
 };
 
 struct Judgement {
-  Verdict verdict = Verdict::kLost;
+  Outcome outcome = Outcome::kLost;
   double error_m = 0;  ///< of the epicenter
   /// Squared error in units of the stated covariance, 3 degrees of freedom.
   double nees = 0;

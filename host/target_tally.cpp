@@ -78,10 +78,10 @@ void TargetCounter::CountOne(std::uint64_t trigger, const stereo::TargetPoints& 
                              const sim::TargetTruth& own, const Judgement& judgement) {
   ++tally_.target_frames;
   if (episode_.GetImaging() == Imaging::kRendered) ++tally_.rendered;
-  if (judgement.verdict == Verdict::kSwapped) {
+  if (judgement.outcome == Outcome::kSwapped) {
     ++tally_.swapped;
     Note(trigger, "wrong name", reported, own, judgement);
-  } else if (judgement.verdict == Verdict::kOff) {
+  } else if (judgement.outcome == Outcome::kOff) {
     switch (reported.status) {
       case stereo::FixStatus::kTracked:
         ++tally_.off_tracked;
@@ -95,14 +95,14 @@ void TargetCounter::CountOne(std::uint64_t trigger, const stereo::TargetPoints& 
     Note(trigger, "wrong place", reported, own, judgement);
   }
   const bool measured =
-      judgement.verdict == Verdict::kFound && reported.status != stereo::FixStatus::kPredicted;
+      judgement.outcome == Outcome::kFound && reported.status != stereo::FixStatus::kPredicted;
   const int visible = own.Visible();
   const auto count = [measured](FoundOf& of) { ++of.frames, of.found += measured ? 1 : 0; };
   count(tally_.any);
   if (visible == 4) count(tally_.four);
   if (visible == 3) count(tally_.three);
   if (visible == 2 && had_[own.target]) count(tally_.two_locked);
-  if (visible == 4 && judgement.verdict == Verdict::kLost) Note(trigger, kLostWord, reported, own, judgement);
+  if (visible == 4 && judgement.outcome == Outcome::kLost) Note(trigger, kLostWord, reported, own, judgement);
   int& lost = lost_clear_[own.target];
   lost = visible == 4 && !measured ? lost + 1 : 0;
   if (lost == kReacquiredWithin + 1) ++tally_.beyond_reacquisition;

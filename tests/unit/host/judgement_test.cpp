@@ -8,7 +8,7 @@
 namespace {
 
 using adit::host::Judge;
-using adit::host::Verdict;
+using adit::host::Outcome;
 using adit::sim::TargetTruth;
 using adit::stereo::FixStatus;
 using adit::stereo::TargetPoints;
@@ -41,10 +41,10 @@ const std::array<TargetTruth, 2> kTruths{Bar(0, {0, 0, 30}), Bar(1, {4, 1, 40})}
 TEST_GROUP(Judgement){};
 
 TEST(Judgement, AllowsFiveSigmasAndTenMillimetresAlongTheError) {
-  CHECK(Verdict::kFound == Judge(Reported(kTruths[0], {0.0149, 0, 0}), kTruths[0], kTruths).verdict);
-  CHECK(Verdict::kOff == Judge(Reported(kTruths[0], {0.0151, 0, 0}), kTruths[0], kTruths).verdict);
-  CHECK(Verdict::kFound == Judge(Reported(kTruths[0], {0, 0, 0.0249}), kTruths[0], kTruths).verdict);
-  CHECK(Verdict::kOff == Judge(Reported(kTruths[0], {0, 0, 0.0251}), kTruths[0], kTruths).verdict);
+  CHECK(Outcome::kFound == Judge(Reported(kTruths[0], {0.0149, 0, 0}), kTruths[0], kTruths).outcome);
+  CHECK(Outcome::kOff == Judge(Reported(kTruths[0], {0.0151, 0, 0}), kTruths[0], kTruths).outcome);
+  CHECK(Outcome::kFound == Judge(Reported(kTruths[0], {0, 0, 0.0249}), kTruths[0], kTruths).outcome);
+  CHECK(Outcome::kOff == Judge(Reported(kTruths[0], {0, 0, 0.0251}), kTruths[0], kTruths).outcome);
 }
 
 TEST(Judgement, MeasuresTheErrorInStatedSigmas) {
@@ -54,18 +54,18 @@ TEST(Judgement, MeasuresTheErrorInStatedSigmas) {
 }
 
 TEST(Judgement, AnotherTargetsPlaceIsASwap) {
-  CHECK(Verdict::kSwapped == Judge(Reported(kTruths[1], {0, 0, 0}), kTruths[0], kTruths).verdict);
+  CHECK(Outcome::kSwapped == Judge(Reported(kTruths[1], {0, 0, 0}), kTruths[0], kTruths).outcome);
 }
 
 TEST(Judgement, ABarReadBackwardsIsASwap) {
   TargetPoints points = Reported(kTruths[0], {0, 0, 0});
   for (std::size_t i = 0; i < 4; ++i) points.leds_b_m[i] = kTruths[0].leds_m[3 - i];
-  CHECK(Verdict::kSwapped == Judge(points, kTruths[0], kTruths).verdict);
+  CHECK(Outcome::kSwapped == Judge(points, kTruths[0], kTruths).outcome);
 }
 
 TEST(Judgement, NoPositionIsLostAndOneThatIsNoNumberIsOff) {
-  CHECK(Verdict::kLost == Judge(TargetPoints{}, kTruths[0], kTruths).verdict);
+  CHECK(Outcome::kLost == Judge(TargetPoints{}, kTruths[0], kTruths).outcome);
   TargetPoints points = Reported(kTruths[0], {0, 0, 0});
   points.epicenter_b_m.x() = NAN;
-  CHECK(Verdict::kOff == Judge(points, kTruths[0], kTruths).verdict);
+  CHECK(Outcome::kOff == Judge(points, kTruths[0], kTruths).outcome);
 }

@@ -1,6 +1,5 @@
 #include "host/board_finder.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,8 @@
 #include <opencv2/aruco/charuco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "host/normal_matrix.h"
 
 namespace adit::host {
 namespace {
@@ -151,8 +152,7 @@ bool SpanPlane(const std::vector<BoardCorner>& corners, double square_m) {
     spread +=
         (corner.board_m - mean) * (corner.board_m - mean).transpose() / static_cast<double>(corners.size());
   constexpr double kLeast = 0.3;  // standard deviation in squares; half of the corners one row apart have 0.5
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvalues()[0] >
-         kLeast * kLeast * square_m * square_m;
+  return SpectrumOf(spread).values[0] > kLeast * kLeast * square_m * square_m;
 }
 
 }  // namespace

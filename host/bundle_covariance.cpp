@@ -1,11 +1,10 @@
 #include "host/bundle_covariance.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <array>
 #include <vector>
 
 #include "host/bundle_costs.h"
+#include "host/normal_matrix.h"
 
 namespace adit::host {
 namespace {
@@ -45,12 +44,9 @@ class Reduced {
     std::array<double*, 5> jacobians{by_pose.data(), by_left.data(), by_right.data(), by_length.data(),
                                      by_bar.data()};
     if (!cost.Evaluate(parameters.data(), residuals.data(), jacobians.data())) return false;
-    Eigen::Matrix<double, kBarResiduals, kLengths + 1> shared;
+    Eigen::MatrixXd shared(kBarResiduals, kLengths + 1);
     shared << by_pose, by_left, by_right, by_length;
-    const Eigen::Matrix<double, kBarSize, kLengths + 1> cross = by_bar.transpose() * shared;
-    const Eigen::Matrix<double, kLengths + 1, kLengths + 1> share =
-        shared.transpose() * shared -
-        cross.transpose() * (by_bar.transpose() * by_bar).eval().ldlt().solve(cross);
+    const Eigen::MatrixXd share = ReducedNormalMatrix(shared, by_bar);
     const auto length = kLengths + static_cast<Eigen::Index>(bar.target);
     normal_.topLeftCorner<kLengths, kLengths>() += share.topLeftCorner<kLengths, kLengths>();
     normal_.block<kLengths, 1>(0, length) += share.topRightCorner<kLengths, 1>();
@@ -69,12 +65,9 @@ class Reduced {
     std::array<double*, 4> jacobians{by_pose.data(), by_left.data(), by_right.data(), by_point.data()};
     if (!PointCost(frame_, point).Evaluate(parameters.data(), residuals.data(), jacobians.data()))
       return false;
-    Eigen::Matrix<double, kPointResiduals, kLengths> shared;
+    Eigen::MatrixXd shared(kPointResiduals, kLengths);
     shared << by_pose, by_left, by_right;
-    const Eigen::Matrix<double, kPointSize, kLengths> cross = by_point.transpose() * shared;
-    normal_.topLeftCorner<kLengths, kLengths>() +=
-        shared.transpose() * shared -
-        cross.transpose() * (by_point.transpose() * by_point).eval().ldlt().solve(cross);
+    normal_.topLeftCorner<kLengths, kLengths>() += ReducedNormalMatrix(shared, by_point);
     return true;
   }
 
@@ -85,13 +78,12 @@ class Reduced {
     // Radians, metres and sigmas: judged and inverted with a diagonal of ones.
     const Eigen::VectorXd unit = normal.diagonal().cwiseSqrt().cwiseInverse();
     if (!unit.allFinite()) return std::nullopt;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * normal *
-                                                               unit.asDiagonal());
+    const Spectrum eigen = SpectrumOf(unit.asDiagonal() * normal * unit.asDiagonal());
     // Below 1e-13 of the largest is rounding, not knowledge.
-    if (!(eigen.eigenvalues()[0] > 1e-13 * eigen.eigenvalues().maxCoeff())) return std::nullopt;
-    const Eigen::MatrixXd inverse = unit.asDiagonal() * eigen.eigenvectors() *
-                                    eigen.eigenvalues().cwiseInverse().asDiagonal() *
-                                    eigen.eigenvectors().transpose() * unit.asDiagonal();
+    if (!(eigen.values[0] > 1e-13 * eigen.values.maxCoeff())) return std::nullopt;
+    const Eigen::MatrixXd inverse = unit.asDiagonal() * eigen.vectors *
+                                    eigen.values.cwiseInverse().asDiagonal() * eigen.vectors.transpose() *
+                                    unit.asDiagonal();
     optics::RigCovariance units = optics::RigCovariance::Identity();
     units.block<kIntrinsics, kIntrinsics>(kPoseSize, kPoseSize) = frame_.setting->left_prior.root;
     units.bottomRightCorner<kIntrinsics, kIntrinsics>() = frame_.setting->right_prior.root;

@@ -1,9 +1,11 @@
 #include "host/calibration_bound.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
+#include <limits>
+
+#include "host/normal_matrix.h"
 
 namespace adit::host {
 namespace {
@@ -46,10 +48,9 @@ RigVector StepSizes() {
 }
 
 /// What one bar tells of the shared parameters, its place eliminated, for noise of 1 px.
-Eigen::Matrix<double, kShared, kShared> Share(const CalibrationPlan& plan, const std::vector<TrueRig>& moved,
-                                              const TrueRig& rig, const TrueBar& bar) {
-  Eigen::Matrix<double, kResiduals, kShared> shared;
-  Eigen::Matrix<double, kResiduals, kPlace> place;
+Eigen::MatrixXd Share(const CalibrationPlan& plan, const std::vector<TrueRig>& moved, const TrueRig& rig,
+                      const TrueBar& bar) {
+  Eigen::MatrixXd shared(kResiduals, kShared), place(kResiduals, kPlace);
   const RigVector steps = StepSizes();
   for (int i = 0; i < kRig; ++i) {
     shared.col(i) = (Observe(plan, moved[static_cast<std::size_t>(2 * i)], bar, {}) -
@@ -65,8 +66,7 @@ Eigen::Matrix<double, kShared, kShared> Share(const CalibrationPlan& plan, const
     up.place[i] = kStep, down.place[i] = -kStep;
     place.col(i) = (Observe(plan, rig, bar, up) - Observe(plan, rig, bar, down)) / (2 * kStep);
   }
-  const Eigen::Matrix<double, kPlace, kShared> cross = place.transpose() * shared;
-  return shared.transpose() * shared - cross.transpose() * (place.transpose() * place).inverse() * cross;
+  return ReducedNormalMatrix(shared, place);
 }
 
 }  // namespace
@@ -79,23 +79,24 @@ std::optional<optics::RigCovariance> CalibrationBound(const CalibrationPlan& pla
     moved.push_back(draw.rig.Moved(steps[i] * RigVector::Unit(i)));
     moved.push_back(draw.rig.Moved(-steps[i] * RigVector::Unit(i)));
   }
-  Eigen::Matrix<double, kShared, kShared> information = Eigen::Matrix<double, kShared, kShared>::Zero();
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(kShared, kShared);
   for (const TrueBar& bar : draw.bars) information += Share(plan, moved, draw.rig, bar);
   information /= plan.noise_px * plan.noise_px;
   // In units of the priors' sigmas, so that what is known exactly has a place too.
-  Eigen::Matrix<double, kShared, kShared> units = Eigen::Matrix<double, kShared, kShared>::Identity();
+  Eigen::MatrixXd units = Eigen::MatrixXd::Identity(kShared, kShared);
   units.block<kIntrinsics, kIntrinsics>(6, 6) = draw.input.left_prior.root;
   units.block<kIntrinsics, kIntrinsics>(6 + kIntrinsics, 6 + kIntrinsics) = draw.input.right_prior.root;
   units(kRig, kRig) = plan.bar_sigma_m / plan.leds_m.back();
   information = (units.transpose() * information * units).eval();
-  information.diagonal().tail<kShared - 6>().array() += 1;
-  const Eigen::Matrix<double, kShared, 1> scale = information.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::Matrix<double, kShared, kShared> scaled =
-      scale.asDiagonal() * information * scale.asDiagonal();
-  const Eigen::FullPivLU<Eigen::Matrix<double, kShared, kShared>> lu(scaled);
-  if (!lu.isInvertible()) return std::nullopt;
-  const Eigen::Matrix<double, kShared, kShared> inverse =
-      units * scale.asDiagonal() * lu.inverse() * scale.asDiagonal() * units.transpose();
+  information.diagonal().tail(kShared - 6).array() += 1;
+  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
+  const Spectrum spectrum = SpectrumOf(scale.asDiagonal() * information * scale.asDiagonal());
+  // Written so that NaN declines; what is smaller is rounding.
+  const double rounding = kShared * std::numeric_limits<double>::epsilon() * spectrum.values[kShared - 1];
+  if (!(spectrum.values[0] > rounding)) return std::nullopt;
+  const Eigen::MatrixXd root =
+      units * scale.asDiagonal() * spectrum.vectors * spectrum.values.cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd inverse = root * root.transpose();
   return optics::RigCovariance(inverse.topLeftCorner<kRig, kRig>());
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/normal_matrix.h"
+
 namespace adit::host {
 namespace {
 
@@ -47,9 +49,9 @@ std::optional<Matrix3d> EssentialFromPoints(std::span<const RayPair> points) {
     design.row(static_cast<Eigen::Index>(i)) << (r.x() * l).transpose(), (r.y() * l).transpose(),
         (r.z() * l).transpose();
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> solution(design, Eigen::ComputeThinV);
-  if (solution.singularValues()[7] < kRankTolerance * solution.singularValues()[0]) return std::nullopt;
-  const Eigen::Matrix<double, 9, 1> null = solution.matrixV().col(8);
+  const SingularValues solution = SingularValuesOf(design);
+  if (solution.values[7] < kRankTolerance * solution.values[0]) return std::nullopt;
+  const Eigen::Matrix<double, 9, 1> null = solution.right.col(8);
   const Matrix3d normalised =
       (Matrix3d() << null.head<3>().transpose(), null.segment<3>(3).transpose(), null.tail<3>().transpose())
           .finished();

@@ -1,13 +1,13 @@
 #include "host/helmert.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
+#include <Eigen/LU>
 #include <cmath>
 #include <sstream>
 
 #include "firmware/base/pose.h"
+#include "firmware/base/rotation.h"
+#include "host/normal_matrix.h"
 
 namespace adit::host {
 namespace {
@@ -47,12 +47,8 @@ Centred Centre(const std::vector<CommonPoint>& points, double grid_scale_factor)
   return out;
 }
 
-/// Umeyama 1991, equations 34 to 42, unweighted.
 Matrix3d RotationBetween(const Eigen::Matrix3Xd& from_m, const Eigen::Matrix3Xd& to_m) {
-  const Matrix3d correlation = to_m * from_m.transpose();
-  const Eigen::JacobiSVD<Matrix3d> svd(correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
-  return svd.matrixU() * Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+  return base::NearestRotation(to_m * from_m.transpose());
 }
 
 /// The heading alone: the angle that the weighted sum of cross and dot products has in plan.
@@ -96,10 +92,11 @@ NormalEquations Sum(const Helmert& fit, const std::vector<CommonPoint>& points) 
   for (const CommonPoint& point : points) {
     const Eigen::Matrix<double, 3, 7> jacobian = fit.Jacobian(point.rig_b_m);
     const Vector3d residual_m = fit.Residual(point);
-    const auto covariance = fit.ObservationCovariance(point).llt();
-    sums.matrix += jacobian.transpose() * covariance.solve(jacobian);
-    sums.right += jacobian.transpose() * covariance.solve(residual_m);
-    sums.weighted_squares += residual_m.dot(covariance.solve(residual_m));
+    const Matrix3d weight = fit.ObservationCovariance(point).inverse();
+    const Eigen::Matrix<double, 3, 7> weighted = weight * jacobian;
+    sums.matrix += weighted.transpose().lazyProduct(jacobian);
+    sums.right += weighted.transpose() * residual_m;
+    sums.weighted_squares += residual_m.dot(weight * residual_m);
   }
   return sums;
 }
@@ -119,8 +116,7 @@ double LeverM(const Centred& centred, const HelmertOptions& options) {
   const auto count = static_cast<double>(centred.rig_m.cols());
   if (!options.estimate_tilt)
     return (options.R_level_b * centred.rig_m).topRows<2>().norm() / std::sqrt(count);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(centred.rig_m.transpose());
-  return svd.singularValues()[1] / std::sqrt(count);
+  return SingularValuesOf(centred.rig_m.transpose()).values[1] / std::sqrt(count);
 }
 
 Error Refuse(const std::string& detail) { return {ErrorCode::kFailed, "", detail}; }
@@ -143,8 +139,7 @@ base::Result<void> CheckGeometry(const std::vector<CommonPoint>& points, const C
 
 /// Refuses points that determine the rotation too badly to be of use.
 base::Result<void> CheckRotation(const Helmert& fit, const Centred& centred, const HelmertOptions& options) {
-  const double sigma_rad = std::sqrt(
-      Eigen::SelfAdjointEigenSolver<Matrix3d>(fit.covariance.topLeftCorner<3, 3>()).eigenvalues().maxCoeff());
+  const double sigma_rad = std::sqrt(SpectrumOf(fit.covariance.topLeftCorner<3, 3>()).values.maxCoeff());
   if (sigma_rad <= kRotationSigmaMaxRad) return {};
   std::ostringstream text;
   text << "the common points lie " << WhereTheyLie(options) << " within " << LeverM(centred, options) * 1e3
@@ -188,8 +183,7 @@ base::Result<Helmert> FitHelmert(const std::vector<CommonPoint>& points, const H
   bool converged = false;
   for (int iteration = 0; iteration < kIterationsMax && !converged; ++iteration) {
     const NormalEquations sums = Sum(fit, near);
-    const Eigen::MatrixXd matrix = sums.matrix(columns, columns);
-    inverse = matrix.ldlt().solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
+    inverse = InverseOf(sums.matrix(columns, columns));
     Eigen::Matrix<double, 7, 1> step = Eigen::Matrix<double, 7, 1>::Zero();
     step(columns) = inverse * sums.right(columns);
     Step(step, fit);

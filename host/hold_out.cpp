@@ -1,10 +1,10 @@
 #include "host/hold_out.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
 
+#include "firmware/base/symmetric.h"
 #include "host/bundle_costs.h"
 #include "host/rig_uncertainty.h"
 
@@ -90,8 +90,9 @@ std::optional<FittedBar> FitBar(const BundleSetting& setting, const optics::Rig&
   // Gauss-Newton: the start is within noise of the end.
   for (int i = 0; i < kStepsMax; ++i) {
     if (!cost.Evaluate(parameters.data(), residual.data(), jacobians.data())) return std::nullopt;
-    const Eigen::Matrix<double, kBarSize, 1> step =
-        (jacobian.transpose() * jacobian).ldlt().solve(jacobian.transpose() * residual);
+    const Eigen::Matrix<double, kBarSize, kBarSize> normal = jacobian.transpose() * jacobian;
+    const Eigen::Matrix<double, kBarSize, 1> gradient = jacobian.transpose() * residual;
+    const Eigen::Matrix<double, kBarSize, 1> step = base::SolveSymmetric(normal, gradient);
     at -= step;
     if ((jacobian * step).squaredNorm() < 1e-10) break;
   }

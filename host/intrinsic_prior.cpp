@@ -1,11 +1,10 @@
 #include "host/intrinsic_prior.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "firmware/base/yaml.h"
+#include "host/normal_matrix.h"
 
 namespace adit::host {
 namespace {
@@ -18,11 +17,10 @@ IntrinsicVector Deviations(const IntrinsicMatrix& covariance) {
 }
 
 /// Eigenvectors and eigenvalues of the correlations: the variances differ by ten orders of magnitude.
-Eigen::SelfAdjointEigenSolver<IntrinsicMatrix> Correlations(const IntrinsicMatrix& covariance) {
+Spectrum Correlations(const IntrinsicMatrix& covariance) {
   IntrinsicVector inverse = Deviations(covariance);
   for (double& value : inverse) value = value > 0 ? 1 / value : 0;
-  return Eigen::SelfAdjointEigenSolver<IntrinsicMatrix>(inverse.asDiagonal() * covariance *
-                                                        inverse.asDiagonal());
+  return SpectrumOf(inverse.asDiagonal() * covariance * inverse.asDiagonal());
 }
 
 }  // namespace
@@ -31,9 +29,7 @@ IntrinsicVector IntrinsicPrior::Steps(const IntrinsicVector& mean, const Intrins
   // Rows in units of their sigma: a focal length in pixels must not drown k2.
   IntrinsicVector unit = root.rowwise().norm();
   for (double& value : unit) value = value > 0 ? 1 / value : 0;
-  return IntrinsicMatrix(unit.asDiagonal() * root)
-      .completeOrthogonalDecomposition()
-      .solve(unit.cwiseProduct(now - mean));
+  return ShortestSolution(unit.asDiagonal() * root, unit.cwiseProduct(now - mean));
 }
 
 IntrinsicPrior PriorOf(const IntrinsicSigmas& sigmas, const optics::CameraModel& camera) {
@@ -51,8 +47,8 @@ IntrinsicPrior PriorOf(const IntrinsicSigmas& sigmas, const optics::CameraModel&
 IntrinsicPrior PriorOf(const IntrinsicMatrix& covariance) {
   const auto eigen = Correlations(covariance);
   IntrinsicPrior prior;
-  prior.root = Deviations(covariance).asDiagonal() * eigen.eigenvectors() *
-               eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  prior.root =
+      Deviations(covariance).asDiagonal() * eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
   prior.is_measured = true;
   return prior;
 }
@@ -73,7 +69,7 @@ base::Result<IntrinsicPrior> LoadPrior(const std::string& path, const IntrinsicS
     constexpr double kRounding = 1e-6;  // nine digits are written
     if (!(skew.cwiseAbs().array() <= kRounding * (sigma * sigma.transpose()).array()).all() ||
         !(covariance.diagonal().minCoeff() >= 0) ||
-        !(Correlations(covariance).eigenvalues().minCoeff() >= -kRounding)) {
+        !(Correlations(covariance).values.minCoeff() >= -kRounding)) {
       in->Refuse(key, "is no covariance: it must be symmetric, without negative variances");
     }
   }

@@ -3,11 +3,11 @@
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
-#include <Eigen/Cholesky>
 #include <limits>
 #include <memory>
 
 #include "firmware/base/require.h"
+#include "firmware/base/symmetric.h"
 
 namespace adit::host {
 namespace {
@@ -91,9 +91,8 @@ void MeasureView(const BoardView& view, const IntrinsicVector& intrinsics,
     block += by_pose.transpose() * by_pose;
     cross += by_pose.transpose() * by_camera;
   }
-  const Eigen::LDLT<Eigen::Matrix<double, kBoardPoseSize, kBoardPoseSize>> solver(block);
-  share.information -= cross.transpose() * solver.solve(cross);
-  share.gradient -= cross.transpose() * solver.solve(pose_gradient);
+  share.information -= cross.transpose() * base::SolveSymmetric(block, cross);
+  share.gradient -= cross.transpose() * base::SolveSymmetric(block, pose_gradient);
   out.shares.push_back(share);
   out.residuals_px.push_back(std::move(residuals_px));
 }

@@ -1,11 +1,12 @@
 #include "host/intrinsics_uncertainty.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
+
+#include "host/normal_matrix.h"
 
 namespace adit::host {
 namespace {
@@ -38,13 +39,11 @@ Eigen::Matrix<double, 2, kIntrinsics> AtImageCorner(const optics::CameraModel& c
 /// The inverse of an information matrix, judged in units of the image corner's movement.
 IntrinsicMatrix Inverse(const IntrinsicMatrix& information, const optics::CameraModel& camera) {
   const IntrinsicVector unit = AtImageCorner(camera).colwise().norm().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<IntrinsicMatrix> eigen(unit.asDiagonal() * information *
-                                                             unit.asDiagonal());
+  const Spectrum eigen = SpectrumOf(unit.asDiagonal() * information * unit.asDiagonal());
   constexpr double kRounding = 1e-14;
-  const IntrinsicVector values =
-      eigen.eigenvalues().cwiseMax(kRounding * eigen.eigenvalues()[kIntrinsics - 1]);
-  return unit.asDiagonal() * eigen.eigenvectors() * values.cwiseInverse().asDiagonal() *
-         eigen.eigenvectors().transpose() * unit.asDiagonal();
+  const IntrinsicVector values = eigen.values.cwiseMax(kRounding * eigen.values[kIntrinsics - 1]);
+  return unit.asDiagonal() * eigen.vectors * values.cwiseInverse().asDiagonal() * eigen.vectors.transpose() *
+         unit.asDiagonal();
 }
 
 /// Parameters that act as one, and what makes images that determine them.
@@ -63,7 +62,7 @@ constexpr std::array<IntrinsicPair, 4> kPairs{{
 double CornerSigmaPx(const IntrinsicMatrix& covariance, const optics::CameraModel& camera, int first) {
   const Eigen::Matrix2d effect = AtImageCorner(camera).middleCols<2>(first);
   const Eigen::Matrix2d moved = effect * covariance.block<2, 2>(first, first) * effect.transpose();
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(moved).eigenvalues()[1]);
+  return std::sqrt(SpectrumOf(moved).values[1]);
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
 #include "host/data_snooping.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <cstdio>
 
+#include "tests/support/nees.h"
 #include "tests/unit/host/survey_truth.h"
 
 #include <CppUTest/TestHarness.h>
@@ -94,7 +94,7 @@ TEST(DataSnooping, TheFitKnowsHowFarOffItIs) {
     const Vector3d error_m = fit.Apply(target_b_m) - truth.Place(target_b_m);
     const Eigen::Matrix<double, 3, 7> jacobian = fit.Jacobian(target_b_m);
     const Eigen::Matrix3d covariance = jacobian * fit.covariance * jacobian.transpose();
-    nees += error_m.dot(covariance.llt().solve(error_m)) / kRuns;
+    nees += adit::support::Nees(error_m, covariance) / kRuns;
   }
   std::printf("seeds %u to %u: nees %.3f ", kFirstSeed, kFirstSeed + kRuns - 1, nees);
   DOUBLES_EQUAL(3, nees, 0.3);  // one sigma is sqrt(6 / 1000) = 0.08

@@ -52,7 +52,7 @@ base::Result<void> Search(const CalibrateArguments& arguments, std::size_t which
     const auto pair = reader->Next();
     if (!pair) return pair.error();
     if (!pair->has_value()) return {};
-    finder.Search(**pair);
+    finder.Search((*pair)->Frame(base::Side::kLeft), (*pair)->Frame(base::Side::kRight));
     const std::size_t first = input.bars.size();
     finder.AppendBars(input.bars);
     for (std::size_t i = first; i < input.bars.size(); ++i)

@@ -6,11 +6,6 @@
 
 namespace adit::host {
 
-/// Every tenth piece of a large count is rendered.
-inline Imaging ImagingOf(std::size_t index) {
-  return index % 10 == 0 ? Imaging::kRendered : Imaging::kCentroids;
-}
-
 /// Three targets among 20 to 200 lamps, a tenth of them collinear with LEDs, LEDs hidden now and then.
 /// Counted in target-frames (full count: 1 000 000).
 SuiteReport MeasureSwaps(const CaseOrder& order);

@@ -155,9 +155,11 @@ void HoldOutSome(const CalibrationOptions& options, std::vector<StereoBar>& bars
 }
 
 /// By time, and a candidate only if no other one of its frame and target was right.
-std::vector<WrongPair> Named(std::vector<WrongPair> wrong, const std::vector<StereoBar>& right) {
+std::vector<WrongPair> Named(std::vector<WrongPair> wrong, const std::vector<StereoBar>& used,
+                             const HoldOut& held_out) {
   std::set<BarKey> found;
-  for (const StereoBar& bar : right) found.insert(KeyOf(bar));
+  for (const StereoBar& bar : used) found.insert(KeyOf(bar));
+  for (const HeldBar& bar : held_out.bars) found.insert(bar.key);
   const auto key = [](const WrongPair& pair) {
     return BarKey{static_cast<std::uint16_t>(pair.recording), pair.mid_exposure_ns,
                   static_cast<std::uint8_t>(pair.target)};
@@ -215,7 +217,9 @@ base::Result<Calibration> Calibrate(const CalibrationInput& input, const Calibra
   calibration.quality.bars_seen = seen.size();
   if (const std::string reason = Refuses(calibration); !reason.empty()) return Refusal(input, reason);
   for (const StereoBar& bar : fit->misfits) sieve->wrong.push_back(Wrong(bar, "fits no place of the bar"));
-  calibration.wrong = Named(std::move(sieve->wrong), fit->bars);
+  for (const StereoBar& bar : calibration.quality.hold_out.misfits)
+    sieve->wrong.push_back(Wrong(bar, "held out, fits no place of the bar"));
+  calibration.wrong = Named(std::move(sieve->wrong), fit->bars, calibration.quality.hold_out);
   calibration.reservations = Reservations(calibration);
   calibration.verdict = calibration.reservations.empty() ? Verdict::kGood : Verdict::kUsable;
   return calibration;

@@ -97,7 +97,9 @@ std::vector<ReportFact> QualityFacts(const CalibrationQuality& quality) {
           {"bar_bias_mm", "mean bar error", ReportNumber(1e3 * quality.bar_bias_m, 2), "mm"},
           {"bar_rms_mm", "rms of it", ReportNumber(1e3 * quality.bar_rms_m, 2), "mm"},
           {"nearest_m", "bars from", ReportNumber(quality.nearest_m, 1), "m"},
-          {"farthest_m", "to", ReportNumber(quality.farthest_m, 1), "m"}};
+          {"farthest_m", "to", ReportNumber(quality.farthest_m, 1), "m"},
+          {"wave_next", "wave next, in cam0",
+           ReportWords(quality.gaps.empty() ? "nowhere" : quality.gaps.front().Words()), ""}};
 }
 
 std::string Joined(const std::vector<std::string>& names) {
@@ -124,6 +126,7 @@ int RunCalibrate(const CalibrateArguments& arguments) {
                                    input->targets,
                                    calibration->bars,
                                    QualityFacts(calibration->quality),
+                                   calibration->quality.gaps,
                                    VerdictOf(*calibration),
                                    calibration->reservations};
   if (auto written = WriteReport(MakeCalibrateReport(picture), arguments.report); !written)

@@ -8,6 +8,7 @@
 #include "firmware/base/result.h"
 #include "firmware/base/target.h"
 #include "firmware/optics/rig.h"
+#include "host/coverage_gap.h"
 #include "host/hold_out.h"
 #include "host/intrinsic_prior.h"
 #include "host/rig_uncertainty.h"
@@ -58,6 +59,7 @@ struct CalibrationQuality {
       0;  ///< how far the intrinsics moved from their files: rms in prior sigmas; 0: exact
   HoldOut hold_out;
   std::vector<RigPrediction> predictions;  ///< at 30, 70 and 110 m
+  std::vector<CoverageGap> gaps;           ///< where the bars were not; the first is the one to wave in next
 };
 
 enum class Verdict { kGood, kUsable };

@@ -11,6 +11,7 @@
 #include "host/coverage_gap.h"
 #include "host/hold_out.h"
 #include "host/intrinsic_prior.h"
+#include "host/rest_lights.h"
 #include "host/rig_uncertainty.h"
 #include "host/stereo_bar.h"
 
@@ -20,8 +21,8 @@ struct CalibrationInput {
   std::vector<std::string> recordings;  ///< their names in messages; bars and points refer to them
   optics::CameraModel left, right;
   std::vector<base::Target> targets;
-  std::vector<StereoBar> bars;                       ///< candidates, wrong pairs among them
-  std::vector<StereoPoint> points = {};              ///< lights at rest
+  std::vector<StereoBar> bars;          ///< candidates, wrong pairs among them
+  std::vector<RestLights> lights = {};  ///< at rest, one entry a recording that is asked for them
   IntrinsicPrior left_prior = {}, right_prior = {};  ///< exact: the intrinsics stay as they are
   double bar_sigma_m = 0;                            ///< standard deviation of each bar's length
 };
@@ -78,9 +79,9 @@ struct Calibration {
 
 /// Similarity check, robust 8-point essential matrix, the pose in front of both cameras, scale from the known
 /// bars, then bundle adjustment with rigid bars, their lengths and the intrinsics within their priors; wrong
-/// pairs left out and refitted. The covariance is that of the centroids, widened by sigma0 where it exceeds
-/// 1, and of the priors, propagated. The result does not depend on the order of calls or on time: the same
-/// bars give the same digits.
+/// pairs left out and refitted; then again with the lights at rest that the rig so found pairs. The
+/// covariance is that of the centroids, widened by sigma0 where it exceeds 1, and of the priors, propagated.
+/// The result does not depend on the order of calls or on time: the same bars give the same digits.
 ///
 /// Declines, with the reason: fewer than `bars_min` bars, bars without a common epipolar geometry, cameras
 /// exchanged (cam0 must stand left of cam1), an adjustment that does not converge, bars so concentrated

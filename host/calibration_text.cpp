@@ -95,7 +95,6 @@ std::string Summary(const Calibration& calibration) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(1) << "bars      " << q.bars_used << " of " << q.bars_seen
        << " used, " << q.nearest_m << " to " << q.farthest_m << " m away";
-  if (q.points_used > 0) text << ", and " << q.points_used << " lights at rest";
   text << "\n"
        << std::setprecision(3) << "residual  " << q.rms_px << " px rms, " << q.sigma0
        << " of what the centroids promise\n"
@@ -116,6 +115,14 @@ std::string Summary(const Calibration& calibration) {
        << q.coverage_right_pct << " % of cam1\n";
   WriteGaps(q, text);
   return text.str();
+}
+
+std::string LightsText(const Calibration& calibration, const CalibrationInput& input) {
+  if (input.lights.empty()) return "";
+  std::size_t left = 0, right = 0;
+  for (const RestLights& lights : input.lights) left += lights.left.size(), right += lights.right.size();
+  return "lights    " + std::to_string(calibration.quality.points_used) + " at rest used; " +
+         std::to_string(left) + " stand still in cam0, " + std::to_string(right) + " in cam1\n";
 }
 
 std::string WrongPairs(const Calibration& calibration, const CalibrationInput& input) {

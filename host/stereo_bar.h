@@ -36,7 +36,6 @@ inline BarKey KeyOf(const StereoBar& bar) { return {bar.recording, bar.mid_expos
 /// A lamp or LED at rest that both cameras saw, its place unknown; averaged over the frames.
 struct StereoPoint {
   LedView left, right;
-  std::uint16_t recording = 0;  ///< index into the recordings
 };
 
 }  // namespace adit::host

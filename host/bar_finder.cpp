@@ -36,12 +36,15 @@ BarFinder::BarFinder(const optics::CameraModel& left, const optics::CameraModel&
       identifiers_{MakeIdentifier(left, models), MakeIdentifier(right, models)},
       blobs_(std::make_unique<std::array<detect::BlobSet, 2>>()) {}
 
-void BarFinder::Search(const ImagePair& pair) {
-  for (const base::Side side : {base::Side::kLeft, base::Side::kRight}) {
-    const auto i = static_cast<std::size_t>(side);
-    detectors_[i].Detect(pair.Frame(side), {}, (*blobs_)[i]);
-    identifiers_[i].Identify((*blobs_)[i], sightings_[i]);
-  }
+void BarFinder::Search(const base::CameraFrame& left, const base::CameraFrame& right) {
+  detectors_[0].Detect(left, {}, (*blobs_)[0]);
+  detectors_[1].Detect(right, {}, (*blobs_)[1]);
+  Search((*blobs_)[0], (*blobs_)[1]);
+}
+
+void BarFinder::Search(const detect::BlobSet& left, const detect::BlobSet& right) {
+  identifiers_[0].Identify(left, sightings_[0]);
+  identifiers_[1].Identify(right, sightings_[1]);
 }
 
 void BarFinder::AppendBars(std::vector<StereoBar>& bars) const {

@@ -8,7 +8,6 @@
 #include "firmware/detect/detector.h"
 #include "firmware/identify/identifier.h"
 #include "firmware/optics/camera_model.h"
-#include "host/pair_reader.h"
 #include "host/stereo_bar.h"
 
 namespace adit::host {
@@ -20,7 +19,9 @@ class BarFinder {
             const std::vector<identify::Model>& models);
 
   /// Searches both images. The records stay valid until the next call.
-  void Search(const ImagePair& pair);
+  void Search(const base::CameraFrame& left, const base::CameraFrame& right);
+  /// Searches what a detection found, which must stay while the records are used.
+  void Search(const detect::BlobSet& left, const detect::BlobSet& right);
 
   const identify::SightingSet& Sightings(base::Side side) const {
     return sightings_[static_cast<std::size_t>(side)];

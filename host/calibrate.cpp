@@ -31,6 +31,7 @@ struct CalibrateArguments {
   IntrinsicSigmas sigmas;
   double bar_sigma_mm = 0.1;
   bool keeps_intrinsics = false;
+  bool takes_lights = false;
 };
 
 /// What is known of a camera beforehand.
@@ -47,18 +48,26 @@ base::Result<void> Search(const CalibrateArguments& arguments, std::size_t which
                                  ImageSize::Of(input.right, arguments.cameras[1]));
   if (!reader) return reader.error();
   BarFinder finder(input.left, input.right, models);
+  RestFinder left_rest, right_rest;
   Progress progress("bars", reader->Pairs());
   for (;;) {
     const auto pair = reader->Next();
     if (!pair) return pair.error();
-    if (!pair->has_value()) return {};
-    finder.Search(**pair);
+    if (!pair->has_value()) break;
+    finder.Search((*pair)->Frame(base::Side::kLeft), (*pair)->Frame(base::Side::kRight));
     const std::size_t first = input.bars.size();
     finder.AppendBars(input.bars);
+    if (arguments.takes_lights) {
+      left_rest.Add(*finder.Sightings(base::Side::kLeft).blob_set);
+      right_rest.Add(*finder.Sightings(base::Side::kRight).blob_set);
+    }
     for (std::size_t i = first; i < input.bars.size(); ++i)
       input.bars[i].recording = static_cast<std::uint16_t>(which);
     progress.Step();
   }
+  if (arguments.takes_lights)
+    input.lights.push_back({left_rest.Lights(input.left), right_rest.Lights(input.right)});
+  return {};
 }
 
 /// The cameras and models that the command line names, and their bars in the recordings.
@@ -97,7 +106,9 @@ std::vector<ReportFact> QualityFacts(const CalibrationQuality& quality) {
           {"bar_bias_mm", "mean bar error", ReportNumber(1e3 * quality.bar_bias_m, 2), "mm"},
           {"bar_rms_mm", "rms of it", ReportNumber(1e3 * quality.bar_rms_m, 2), "mm"},
           {"nearest_m", "bars from", ReportNumber(quality.nearest_m, 1), "m"},
-          {"farthest_m", "to", ReportNumber(quality.farthest_m, 1), "m"}};
+          {"farthest_m", "to", ReportNumber(quality.farthest_m, 1), "m"},
+          {"wave_next", "wave next, in cam0",
+           ReportWords(quality.gaps.empty() ? "nowhere" : quality.gaps.front().Words()), ""}};
 }
 
 std::string Joined(const std::vector<std::string>& names) {
@@ -124,11 +135,13 @@ int RunCalibrate(const CalibrateArguments& arguments) {
                                    input->targets,
                                    calibration->bars,
                                    QualityFacts(calibration->quality),
+                                   calibration->quality.gaps,
                                    VerdictOf(*calibration),
                                    calibration->reservations};
   if (auto written = WriteReport(MakeCalibrateReport(picture), arguments.report); !written)
     return Fail("calibrate", written.error());
-  std::cout << Summary(*calibration) << WrongPairs(*calibration, *input) << VerdictText(*calibration);
+  std::cout << Summary(*calibration) << LightsText(*calibration, *input) << WrongPairs(*calibration, *input)
+            << VerdictText(*calibration);
   return 0;
 }
 
@@ -179,6 +192,9 @@ void AddCalibrate(CLI::App& app, int& exit_code) {
                    "how far a bar's directions in both images may differ")
       ->check(CLI::Range(1.0, 180.0))
       ->capture_default_str();
+  command->add_flag("--lights-at-rest", arguments->takes_lights,
+                    "single LEDs that stand still count too, found by themselves: put some where the bar "
+                    "cannot go, as in the images' corners");
   AddPriors(*command, *arguments);
   command->callback([arguments, &exit_code] {
     if (arguments->cameras.size() != 2) {

@@ -70,7 +70,7 @@ Plot BarCoverage(const std::vector<SeenBar>& bars, const optics::CameraModel& ca
                  BarView StereoBar::*side, const std::string& name) {
   Plot plot;
   plot.title = "LEDs in the image of " + name;
-  plot.note = "Counts in 8 x 6 cells, undistorted; hatched: none, wave there next.";
+  plot.note = "Counts in 8 x 6 cells, undistorted; hatched: none.";
   FrameCamera(camera, plot);
   PlotCells cells{"LEDs",   kBarColumns,
                   kBarRows, std::vector<double>(kBarColumns * kBarRows, 0),
@@ -138,6 +138,19 @@ Plot BarsFromAbove(const std::vector<SeenBar>& bars, const optics::Rig& rig) {
   return plot;
 }
 
+ReportTable GapTable(const std::vector<CoverageGap>& gaps) {
+  ReportTable table{"wave_next",
+                    "Where both cameras look and no bar was, the most telling place first: depth (1 sigma) "
+                    "that the calibration leaves there, and one LED's noise.",
+                    {{"region", "region of cam0"}, {"depth_mm", "depth, mm"}, {"noise_mm", "noise, mm"}},
+                    {}};
+  for (const CoverageGap& gap : gaps) {
+    table.rows.push_back({ReportWords(gap.Words()), ReportNumber(1e3 * gap.depth_m, 1),
+                          ReportNumber(1e3 * gap.noise_depth_m, 1)});
+  }
+  return table;
+}
+
 }  // namespace
 
 ReportPage MakeCalibrateReport(const CalibrationPicture& picture) {
@@ -165,6 +178,7 @@ ReportPage MakeCalibrateReport(const CalibrationPicture& picture) {
   page.Add(BarCoverage(bars, picture.rig.left, &StereoBar::left, "cam0"));
   page.Add(BarCoverage(bars, picture.rig.right, &StereoBar::right, "cam1"));
   page.Add(BarsFromAbove(bars, picture.rig));
+  if (!picture.gaps.empty()) page.Add(GapTable(picture.gaps));
   page.Section("Fit");
   page.Add(BarResidualPlot(bars, picture.rig.left, 0, "cam0"));
   page.Add(BarResidualPlot(bars, picture.rig.right, 1, "cam1"));

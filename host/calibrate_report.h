@@ -6,6 +6,7 @@
 
 #include "firmware/base/target.h"
 #include "firmware/optics/rig.h"
+#include "host/coverage_gap.h"
 #include "host/report_page.h"
 #include "host/stereo_bar.h"
 
@@ -18,6 +19,7 @@ struct CalibrationPicture {
   const std::vector<base::Target>& targets;
   const std::vector<StereoBar>& bars;  ///< candidates, wrong pairs among them
   std::vector<ReportFact> facts;       ///< of the calibration's own quality
+  std::vector<CoverageGap> gaps = {};  ///< where to wave next
   ReportVerdict verdict = ReportVerdict::kGood;
   std::vector<std::string> reservations = {};
 };

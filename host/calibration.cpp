@@ -155,9 +155,11 @@ void HoldOutSome(const CalibrationOptions& options, std::vector<StereoBar>& bars
 }
 
 /// By time, and a candidate only if no other one of its frame and target was right.
-std::vector<WrongPair> Named(std::vector<WrongPair> wrong, const std::vector<StereoBar>& right) {
+std::vector<WrongPair> Named(std::vector<WrongPair> wrong, const std::vector<StereoBar>& used,
+                             const HoldOut& held_out) {
   std::set<BarKey> found;
-  for (const StereoBar& bar : right) found.insert(KeyOf(bar));
+  for (const StereoBar& bar : used) found.insert(KeyOf(bar));
+  for (const HeldBar& bar : held_out.bars) found.insert(bar.key);
   const auto key = [](const WrongPair& pair) {
     return BarKey{static_cast<std::uint16_t>(pair.recording), pair.mid_exposure_ns,
                   static_cast<std::uint8_t>(pair.target)};
@@ -186,6 +188,32 @@ base::Result<Sieve> Screen(const CalibrationInput& input, const CalibrationOptio
   return similar;
 }
 
+std::vector<StereoPoint> PairLights(const CalibrationInput& input, const optics::Rig& rig, double gate_px) {
+  std::vector<StereoPoint> points;
+  for (const RestLights& lights : input.lights) {
+    for (const StereoPoint& point : MatchLights(lights, rig, gate_px)) points.push_back(point);
+  }
+  return points;
+}
+
+/// The same adjustment with the lights at rest that its rig pairs; as it was without any.
+std::optional<CalibrationFit> WithLights(const CalibrationInput& input, CalibrationFit fit,
+                                         std::size_t bars_min) {
+  // Bars in the middle leave the corners wrong by some tenths of a pixel. With the lights that are paired for
+  // all that, the others have fewer partners to be mistaken for.
+  for (const double gate_px : {1.0, 0.2}) {
+    if (fit.bars.size() < bars_min) break;
+    const optics::Rig rig{fit.bundle.state.left, fit.bundle.state.right, fit.bundle.state.T_r_l, ""};
+    const auto points = PairLights(input, rig, gate_px);
+    if (points.empty()) break;
+    auto again = FitCalibration(fit.setting, Place(fit.setting, rig, fit.bars, points), bars_min);
+    if (!again) return std::nullopt;
+    again->misfits.insert(again->misfits.end(), fit.misfits.begin(), fit.misfits.end());
+    fit = std::move(*again);
+  }
+  return fit;
+}
+
 }  // namespace
 
 base::Result<Calibration> Calibrate(const CalibrationInput& input, const CalibrationOptions& options) {
@@ -199,9 +227,10 @@ base::Result<Calibration> Calibrate(const CalibrationInput& input, const Calibra
   HoldOutSome(options, start->bars, held_out);
   const BundleSetting setting{
       input.left, input.right, input.left_prior, input.right_prior, input.targets, input.bar_sigma_m, 1};
-  const auto fit = FitCalibration(
-      setting, Place(setting, {input.left, input.right, start->T_r_l, ""}, start->bars, input.points),
-      options.bars_min);
+  auto fit =
+      FitCalibration(setting, Place(setting, {input.left, input.right, start->T_r_l, ""}, start->bars, {}),
+                     options.bars_min);
+  if (fit) fit = WithLights(input, std::move(*fit), options.bars_min);
   if (!fit)
     return Refusal(input,
                    "the bundle adjustment does not converge: do the camera files belong to these cameras, "
@@ -215,7 +244,9 @@ base::Result<Calibration> Calibrate(const CalibrationInput& input, const Calibra
   calibration.quality.bars_seen = seen.size();
   if (const std::string reason = Refuses(calibration); !reason.empty()) return Refusal(input, reason);
   for (const StereoBar& bar : fit->misfits) sieve->wrong.push_back(Wrong(bar, "fits no place of the bar"));
-  calibration.wrong = Named(std::move(sieve->wrong), fit->bars);
+  for (const StereoBar& bar : calibration.quality.hold_out.misfits)
+    sieve->wrong.push_back(Wrong(bar, "held out, fits no place of the bar"));
+  calibration.wrong = Named(std::move(sieve->wrong), fit->bars, calibration.quality.hold_out);
   calibration.reservations = Reservations(calibration);
   calibration.verdict = calibration.reservations.empty() ? Verdict::kGood : Verdict::kUsable;
   return calibration;

@@ -8,8 +8,10 @@
 #include "firmware/base/result.h"
 #include "firmware/base/target.h"
 #include "firmware/optics/rig.h"
+#include "host/coverage_gap.h"
 #include "host/hold_out.h"
 #include "host/intrinsic_prior.h"
+#include "host/rest_lights.h"
 #include "host/rig_uncertainty.h"
 #include "host/stereo_bar.h"
 
@@ -19,8 +21,8 @@ struct CalibrationInput {
   std::vector<std::string> recordings;  ///< their names in messages; bars and points refer to them
   optics::CameraModel left, right;
   std::vector<base::Target> targets;
-  std::vector<StereoBar> bars;                       ///< candidates, wrong pairs among them
-  std::vector<StereoPoint> points = {};              ///< lights at rest
+  std::vector<StereoBar> bars;          ///< candidates, wrong pairs among them
+  std::vector<RestLights> lights = {};  ///< at rest, one entry a recording that is asked for them
   IntrinsicPrior left_prior = {}, right_prior = {};  ///< exact: the intrinsics stay as they are
   double bar_sigma_m = 0;                            ///< standard deviation of each bar's length
 };
@@ -58,6 +60,7 @@ struct CalibrationQuality {
       0;  ///< how far the intrinsics moved from their files: rms in prior sigmas; 0: exact
   HoldOut hold_out;
   std::vector<RigPrediction> predictions;  ///< at 30, 70 and 110 m
+  std::vector<CoverageGap> gaps;           ///< where the bars were not; the first is the one to wave in next
 };
 
 enum class Verdict { kGood, kUsable };
@@ -76,9 +79,9 @@ struct Calibration {
 
 /// Similarity check, robust 8-point essential matrix, the pose in front of both cameras, scale from the known
 /// bars, then bundle adjustment with rigid bars, their lengths and the intrinsics within their priors; wrong
-/// pairs left out and refitted. The covariance is that of the centroids, widened by sigma0 where it exceeds
-/// 1, and of the priors, propagated. The result does not depend on the order of calls or on time: the same
-/// bars give the same digits.
+/// pairs left out and refitted; then again with the lights at rest that the rig so found pairs. The
+/// covariance is that of the centroids, widened by sigma0 where it exceeds 1, and of the priors, propagated.
+/// The result does not depend on the order of calls or on time: the same bars give the same digits.
 ///
 /// Declines, with the reason: fewer than `bars_min` bars, bars without a common epipolar geometry, cameras
 /// exchanged (cam0 must stand left of cam1), an adjustment that does not converge, bars so concentrated

@@ -1,7 +1,4 @@
 // The cases of the suite `calibration`.
-#include <Eigen/Cholesky>
-#include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -9,92 +6,14 @@
 
 #include "host/calibration_bound.h"
 #include "host/calibration_suite.h"
-#include "host/simulated_calibration.h"
+#include "host/calibration_tally.h"
 
 namespace adit::host {
 namespace {
 
 using Eigen::Vector3d;
-using RigVector = Eigen::Matrix<double, optics::kRigParameters, 1>;
 
-/// How a normalised sum of squares of `freedom` chi-square terms may lie, 95 % (Wilson-Hilferty).
-struct ChiSquareBounds {
-  double low, high;
-
-  explicit ChiSquareBounds(double freedom) {
-    const double part = 2 / (9 * freedom);
-    low = std::pow(1 - part - 1.96 * std::sqrt(part), 3);
-    high = std::pow(1 - part + 1.96 * std::sqrt(part), 3);
-  }
-};
-
-RigVector ErrorOf(const TrueRig& truth, const optics::Rig& rig) {
-  const Eigen::AngleAxisd turn(rig.T_r_l.rotation * truth.rotation.transpose());
-  RigVector error;
-  error << turn.angle() * turn.axis(), rig.T_r_l.translation_m - truth.translation_m,
-      Intrinsics(rig.left) - truth.left, Intrinsics(rig.right) - truth.right;
-  return error;
-}
-
-/// Pose and intrinsics' steps: the directions that are free, one row each.
-Eigen::MatrixXd FreeDirections(const CalibrationInput& input) {
-  std::vector<Eigen::RowVectorXd> rows;
-  for (Eigen::Index i = 0; i < 6; ++i) rows.emplace_back(RigVector::Unit(i).transpose());
-  Eigen::Index first = 6;
-  for (const IntrinsicPrior* prior : {&input.left_prior, &input.right_prior}) {
-    for (Eigen::Index i = 0; i < kIntrinsics; ++i) {
-      const IntrinsicVector column = prior->root.col(i);
-      if (column.isZero(0)) continue;
-      RigVector row = RigVector::Zero();
-      row.segment<kIntrinsics>(first) = column / column.squaredNorm();
-      rows.emplace_back(row.transpose());
-    }
-    first += kIntrinsics;
-  }
-  Eigen::MatrixXd out(static_cast<Eigen::Index>(rows.size()), optics::kRigParameters);
-  for (std::size_t i = 0; i < rows.size(); ++i) out.row(static_cast<Eigen::Index>(i)) = rows[i];
-  return out;
-}
-
-/// Errors of many calibrations, against their bound and against what they state.
-class ErrorTally {
- public:
-  void Add(const RigVector& error, const optics::RigCovariance& stated, const optics::RigCovariance& bound,
-           const Eigen::MatrixXd& free) {
-    const Eigen::VectorXd e = free * error;
-    const Eigen::MatrixXd c = free * stated * free.transpose();
-    const Eigen::VectorXd b = (free * bound * free.transpose()).diagonal();
-    if (squares_.size() == 0) squares_ = Eigen::VectorXd::Zero(e.size()), bounds_ = squares_;
-    const Eigen::VectorXd scale = c.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::VectorXd n = scale.asDiagonal() * e;
-    normalised_ += n.dot((scale.asDiagonal() * c * scale.asDiagonal()).eval().ldlt().solve(n));
-    squares_ += e.cwiseAbs2(), bounds_ += b;
-    ++count_;
-  }
-
-  /// rms error over bound, rms over the parameters from `first` on, and the worst of them.
-  void Report(const std::string& what, Eigen::Index first, Eigen::Index count, SuiteReport& report) const {
-    const Eigen::VectorXd ratios =
-        squares_.segment(first, count).cwiseQuotient(bounds_.segment(first, count));
-    report.AtMost(what + ": rms error / bound", std::sqrt(ratios.mean()), 1.2);
-    report.Inform(what + ": the worst parameter's", std::sqrt(ratios.maxCoeff()));
-  }
-  void ReportHonesty(const std::string& what, SuiteReport& report) const {
-    const auto freedom = static_cast<double>(squares_.size() * static_cast<Eigen::Index>(count_));
-    const ChiSquareBounds bounds(freedom);
-    report.AtLeast(what + ": normalised error^2", normalised_ / freedom, bounds.low);
-    report.AtMost(what + ": normalised error^2", normalised_ / freedom, bounds.high);
-  }
-
- private:
-  Eigen::VectorXd squares_, bounds_;
-  double normalised_ = 0;
-  std::size_t count_ = 0;
-};
-
-std::uint64_t SeedOf(const CalibrationCount& order, std::size_t index) {
-  return sim::Random(order.seed, index).Next();
-}
+constexpr std::size_t kShortForm = 3;
 
 /// The calibration of a draw; a refusal is a finding.
 std::optional<Calibration> Calibrated(const CalibrationInput& input, SuiteReport& report) {
@@ -171,30 +90,30 @@ struct LengthErrors {
   }
 };
 
-std::string How(const CalibrationCount& order, const CalibrationPlan& plan) {
-  return std::to_string(order.count) + " calibrations of " + std::to_string(plan.bars) +
+std::string How(std::size_t count, const CalibrationPlan& plan) {
+  return std::to_string(count) + " calibrations of " + std::to_string(plan.bars) +
          " simulated bars each, every tenth held out";
 }
 
-void ReportCount(std::size_t done, const CalibrationCount& order, SuiteReport& report) {
-  report.AtLeast("calibrations not refused", static_cast<double>(done), static_cast<double>(order.count), "",
-                 0);
+void ReportCount(std::size_t done, std::size_t wanted, SuiteReport& report) {
+  report.AtLeast("calibrations not refused", static_cast<double>(done), static_cast<double>(wanted), "", 0);
 }
 
 }  // namespace
 
-SuiteReport MeasurePose(const CalibrationCount& order) {
+SuiteReport MeasurePose(const CaseOrder& order) {
+  const std::size_t count = order.CountOr(kShortForm);
   SuiteReport report;
   std::size_t done = 0;
   CalibrationPlan plan;
   plan.intrinsics = {0, 0, 0};
   plan.bar_sigma_m = 0;
-  report.how = How(order, plan);
+  report.how = How(count, plan);
   for (const double noise_px : {0.01, 0.05}) {
     plan.noise_px = noise_px;
     ErrorTally tally;
-    for (std::size_t i = 0; i < order.count; ++i) {
-      const CalibrationDraw draw = Draw(plan, SeedOf(order, i));
+    for (std::size_t i = 0; i < count; ++i) {
+      const CalibrationDraw draw = Draw(plan, PieceSeed(order, i));
       const auto calibration = Calibrated(draw.input, report);
       const auto bound = CalibrationBound(plan, draw);
       if (!calibration || !bound) continue;
@@ -205,21 +124,22 @@ SuiteReport MeasurePose(const CalibrationCount& order) {
     tally.Report(Px(noise_px) + ", pose", 0, 6, report);
     tally.ReportHonesty(Px(noise_px), report);
   }
-  ReportCount(done, {2 * order.count, order.seed}, report);
+  ReportCount(done, 2 * count, report);
   return report;
 }
 
-SuiteReport MeasureRefined(const CalibrationCount& order) {
+SuiteReport MeasureRefined(const CaseOrder& order) {
+  const std::size_t count = order.CountOr(kShortForm);
   SuiteReport report;
   std::size_t done = 0;
   CalibrationPlan plan;
-  report.how = How(order, plan) + "; intrinsics wrong by 0.05 % f, 1 px centre, 0.2 px distortion (1 sigma)";
+  report.how = How(count, plan) + "; intrinsics wrong by 0.05 % f, 1 px centre, 0.2 px distortion (1 sigma)";
   for (const double noise_px : {0.01, 0.05}) {
     plan.noise_px = noise_px;
     ErrorTally tally;
     PositionErrors refined, alone;
-    for (std::size_t i = 0; i < order.count; ++i) {
-      const CalibrationDraw draw = Draw(plan, SeedOf(order, i));
+    for (std::size_t i = 0; i < count; ++i) {
+      const CalibrationDraw draw = Draw(plan, PieceSeed(order, i));
       const auto calibration = Calibrated(draw.input, report);
       CalibrationInput extrinsics = draw.input;
       extrinsics.left_prior = extrinsics.right_prior = {};
@@ -239,25 +159,26 @@ SuiteReport MeasureRefined(const CalibrationCount& order) {
     report.Inform(Px(noise_px) + ", error at 100 m, refined", refined.RmsMm(), "mm", 1);
     report.AtLeast(Px(noise_px) + ", refined is better by", alone.RmsMm() / refined.RmsMm(), 4);
   }
-  ReportCount(done, {2 * order.count, order.seed}, report);
+  ReportCount(done, 2 * count, report);
   return report;
 }
 
-SuiteReport MeasureTable52(const CalibrationCount& order) {
+SuiteReport MeasureTable52(const CaseOrder& order) {
   constexpr std::array kDistancesM{30.0, 50.0, 70.0}, kBarsMm{0.4, 0.5, 0.6};
+  const std::size_t count = order.CountOr(kShortForm);
   SuiteReport report;
   std::size_t done = 0;
   CalibrationPlan plan;
-  report.how = How(order, plan) + "; then 400 bars a distance, LEDs measured one by one";
+  report.how = How(count, plan) + "; then 400 bars a distance, LEDs measured one by one";
   for (const double base_m : {6.0, 12.0}) {
     plan.base_m = base_m;
     plan.converge_m = 30;
     std::array<LengthErrors, kDistancesM.size()> errors;
-    for (std::size_t i = 0; i < order.count; ++i) {
-      const CalibrationDraw draw = Draw(plan, SeedOf(order, i));
+    for (std::size_t i = 0; i < count; ++i) {
+      const CalibrationDraw draw = Draw(plan, PieceSeed(order, i));
       const auto calibration = Calibrated(draw.input, report);
       if (!calibration) continue;
-      sim::Random random(SeedOf(order, i), 1);
+      sim::Random random(PieceSeed(order, i), 1);
       for (std::size_t k = 0; k < errors.size(); ++k)
         errors[k].Add(plan, draw, calibration->rig, kDistancesM[k], random);
       ++done;
@@ -272,26 +193,27 @@ SuiteReport MeasureTable52(const CalibrationCount& order) {
       report.AtMost(where + ": spread / bound", std::sqrt(e.spread_m2 / e.bound_m2), 1.25);
     }
   }
-  ReportCount(done, {2 * order.count, order.seed}, report);
+  ReportCount(done, 2 * count, report);
   return report;
 }
 
-SuiteReport MeasureTable54(const CalibrationCount& order) {
+SuiteReport MeasureTable54(const CaseOrder& order) {
   constexpr std::array kDistancesM{20.0, 30.0, 50.0, 80.0, 100.0};
+  const std::size_t count = order.CountOr(kShortForm);
   SuiteReport report;
   std::size_t done = 0;
   CalibrationPlan plan;
   plan.leds_m = {0, 0.25, 0.65, 1.5};
   plan.nearest_m = 20, plan.farthest_m = 40, plan.far_share = 0.4;
-  report.how = How(order, plan) + ", 60 % at 20 to 40 m and the others to 100 m";
+  report.how = How(count, plan) + ", 60 % at 20 to 40 m and the others to 100 m";
   std::array<PositionErrors, kDistancesM.size()> positions;
   std::array<LengthErrors, kDistancesM.size()> lengths;
-  for (std::size_t i = 0; i < order.count; ++i) {
-    const CalibrationDraw draw = Draw(plan, SeedOf(order, i));
+  for (std::size_t i = 0; i < count; ++i) {
+    const CalibrationDraw draw = Draw(plan, PieceSeed(order, i));
     const auto calibration = Calibrated(draw.input, report);
     const auto bound = CalibrationBound(plan, draw);
     if (!calibration || !bound) continue;
-    sim::Random random(SeedOf(order, i), 1);
+    sim::Random random(PieceSeed(order, i), 1);
     for (std::size_t k = 0; k < kDistancesM.size(); ++k) {
       positions[k].Add(plan, draw, calibration->rig, *bound, kDistancesM[k]);
       lengths[k].Add(plan, draw, calibration->rig, kDistancesM[k], random);
@@ -306,7 +228,7 @@ SuiteReport MeasureTable54(const CalibrationCount& order) {
     report.AtMost(where + ": half bar-length error, rms of single bars",
                   0.5e3 * std::sqrt(e.rms_m2 / e.count), 2, "mm");
   }
-  ReportCount(done, order, report);
+  ReportCount(done, count, report);
   return report;
 }
 

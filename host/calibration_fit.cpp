@@ -53,8 +53,6 @@ Placed KeepRight(const Placed& placed, const Bundle& bundle, std::vector<StereoB
 
 }  // namespace
 
-BarKey KeyOf(const StereoBar& bar) { return {bar.recording, bar.mid_exposure_ns, bar.target}; }
-
 Placed Place(const BundleSetting& setting, const optics::Rig& rig, std::span<const StereoBar> bars,
              std::span<const StereoPoint> points) {
   Placed placed;

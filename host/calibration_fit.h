@@ -2,16 +2,11 @@
 #pragma once
 
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include "host/bundle.h"
 
 namespace adit::host {
-
-/// Recording, mid-exposure, target: of all candidates with one key at most one is right.
-using BarKey = std::tuple<std::uint16_t, base::TimeNs, std::uint8_t>;
-BarKey KeyOf(const StereoBar& bar);
 
 /// Bars and points with places to start from.
 struct Placed {

@@ -5,12 +5,13 @@
 #include <iomanip>
 #include <sstream>
 
+#include "firmware/base/yaml.h"
 #include "host/provenance.h"
 
 namespace adit::host {
 namespace {
 
-constexpr std::size_t kWrongShown = 12;
+constexpr std::size_t kWrongShown = 12, kGapsShown = 3;
 
 void WriteQuality(const Calibration& calibration, std::ostream& text) {
   const CalibrationQuality& q = calibration.quality;
@@ -21,11 +22,11 @@ void WriteQuality(const Calibration& calibration, std::ostream& text) {
        << q.sigma_rad.x() << ", " << q.sigma_rad.y() << ", " << q.sigma_rad.z()
        << "]\n  bar_bias_m: " << q.bar_bias_m << "\n  bar_rms_m: " << q.bar_rms_m << "\n  distance_m: ["
        << q.nearest_m << ", " << q.farthest_m << "]\n  coverage_pct: [" << q.coverage_left_pct << ", "
-       << q.coverage_right_pct
-       << "]  # of 8 x 6 cells of cam0, cam1\n  intrinsics_pull: " << q.intrinsics_pull
-       << "\n  hold_out: {bars: " << q.hold_out.bars.size() << ", error_m: " << q.hold_out.error_m
-       << ", predicted_m: " << q.hold_out.predicted_m << ", ratio: " << q.hold_out.ratio
-       << "}\n  predicted_sigma_m:  # across, up, depth\n";
+       << q.coverage_right_pct << "]  # of 8 x 6 cells of cam0, cam1\n  wave_next: "
+       << base::Quoted(q.gaps.empty() ? "" : q.gaps.front().Words())
+       << "\n  intrinsics_pull: " << q.intrinsics_pull << "\n  hold_out: {bars: " << q.hold_out.bars.size()
+       << ", error_m: " << q.hold_out.error_m << ", predicted_m: " << q.hold_out.predicted_m
+       << ", ratio: " << q.hold_out.ratio << "}\n  predicted_sigma_m:  # across, up, depth\n";
   for (const RigPrediction& p : q.predictions) {
     text << "    - {distance_m: " << p.distance_m << ", sigma_m: [" << p.across_m << ", " << p.up_m << ", "
          << p.depth_m << "]}\n";
@@ -39,6 +40,19 @@ void WritePredictions(const CalibrationQuality& q, std::ostream& text) {
          << "across " << p.across_m * 1e3 << ", up " << p.up_m * 1e3 << ", depth " << p.depth_m * 1e3
          << "; noise " << p.noise_depth_m * 1e3 << "; " << std::setprecision(2)
          << p.depth_per_yaw_m_rad * 1e-3 << " mm/urad, " << p.depth_per_px_m * 10 << " mm/0.01 px\n";
+  }
+}
+
+void WriteGaps(const CalibrationQuality& q, std::ostream& text) {
+  if (q.gaps.empty()) {
+    text << "wave next nowhere: the bars have been wherever both cameras look, 10 to 120 m\n";
+    return;
+  }
+  text << "wave next (in cam0; depth left by the calibration and by one LED's noise, 1 sigma, mm)\n"
+       << std::setprecision(1);
+  for (std::size_t i = 0; i < std::min(kGapsShown, q.gaps.size()); ++i) {
+    const CoverageGap& gap = q.gaps[i];
+    text << "  " << gap.Words() << ": " << gap.depth_m * 1e3 << ", " << gap.noise_depth_m * 1e3 << "\n";
   }
 }
 
@@ -81,7 +95,6 @@ std::string Summary(const Calibration& calibration) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(1) << "bars      " << q.bars_used << " of " << q.bars_seen
        << " used, " << q.nearest_m << " to " << q.farthest_m << " m away";
-  if (q.points_used > 0) text << ", and " << q.points_used << " lights at rest";
   text << "\n"
        << std::setprecision(3) << "residual  " << q.rms_px << " px rms, " << q.sigma0
        << " of what the centroids promise\n"
@@ -100,7 +113,16 @@ std::string Summary(const Calibration& calibration) {
   WritePredictions(q, text);
   text << std::setprecision(0) << "coverage  " << q.coverage_left_pct << " % of cam0, "
        << q.coverage_right_pct << " % of cam1\n";
+  WriteGaps(q, text);
   return text.str();
+}
+
+std::string LightsText(const Calibration& calibration, const CalibrationInput& input) {
+  if (input.lights.empty()) return "";
+  std::size_t left = 0, right = 0;
+  for (const RestLights& lights : input.lights) left += lights.left.size(), right += lights.right.size();
+  return "lights    " + std::to_string(calibration.quality.points_used) + " at rest used; " +
+         std::to_string(left) + " stand still in cam0, " + std::to_string(right) + " in cam1\n";
 }
 
 std::string WrongPairs(const Calibration& calibration, const CalibrationInput& input) {

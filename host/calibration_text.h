@@ -14,6 +14,8 @@ std::string FormatCalibration(const Calibration& calibration);
 
 /// What a person wants to know of it, a few lines.
 std::string Summary(const Calibration& calibration);
+/// How many lights at rest were seen, and how many count; empty if none were asked for.
+std::string LightsText(const Calibration& calibration, const CalibrationInput& input);
 /// The pairs left out, each with recording, time, target and reason; the first dozen.
 std::string WrongPairs(const Calibration& calibration, const CalibrationInput& input);
 /// Good, or usable with the reservations.

@@ -128,10 +128,12 @@ Calibration Conclude(const CalibrationInput& input, const CalibrationFit& fit,
   const BundleSetting adjusted = AsAdjusted(fit);
   const auto relative = BundleCovariance(adjusted, {fit.bars, fit.points}, fit.bundle.state);
   q.hold_out = TestHoldOut(adjusted, out.rig, relative.value_or(out.covariance), held_out);
+  const double noise_px = NoisePx(out);
   for (const double distance_m : kDistancesM) {
-    if (const auto prediction = Predict(out.rig, out.covariance, distance_m, NoisePx(out)))
+    if (const auto prediction = Predict(out.rig, out.covariance, distance_m, noise_px))
       q.predictions.push_back(*prediction);
   }
+  q.gaps = CoverageGaps(out.rig, out.covariance, {out.bars, out.distances_m}, noise_px);
   return out;
 }
 
@@ -180,7 +182,8 @@ std::vector<std::string> Reservations(const Calibration& calibration) {
   }
   if (std::min(q.coverage_left_pct, q.coverage_right_pct) < kCoverageGoodPct) {
     out.push_back("the bars touch " + Fixed(std::min(q.coverage_left_pct, q.coverage_right_pct), 0) +
-                  " % of an image, 50 % are good: wave the bar where the coverage map has gaps");
+                  " % of an image, 50 % are good: wave the bar where the coverage map has gaps" +
+                  (q.gaps.empty() ? "" : ", next at the " + q.gaps.front().Words()));
   }
   for (const RigPrediction& prediction : q.predictions) {
     if (q.farthest_m < kReachGood * prediction.distance_m && prediction.depth_m > prediction.noise_depth_m) {

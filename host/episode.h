@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "drivers/sim/renderer.h"
 #include "drivers/sim/world.h"
 #include "firmware/pipeline/pipeline.h"
 #include "host/simulated_blobs.h"
+#include "host/simulated_camera.h"
 
 namespace adit::host {
 
@@ -18,6 +18,11 @@ enum class Imaging : std::uint8_t {
   kCentroids,  ///< simulated
   kRendered,   ///< detected by the box's own detection in rendered images
 };
+
+/// Every tenth piece of a large count is rendered.
+inline Imaging ImagingOf(std::size_t index) {
+  return index % 10 == 0 ? Imaging::kRendered : Imaging::kCentroids;
+}
 
 /// One episode: a world, the models that are sought in it, and a pipeline that starts without any lock.
 class Episode {
@@ -39,9 +44,8 @@ class Episode {
   pipeline::Pipeline pipeline_;
   Imaging imaging_;
   SimulatedBlobs centroids_;
-  std::array<std::unique_ptr<sim::Renderer>, 2> renderers_;
-  std::vector<std::uint8_t> pixels_;
-  std::unique_ptr<std::array<detect::BlobSet, 2>> blobs_;  // too large for a stack
+  std::array<std::unique_ptr<SimulatedCamera>, 2> cameras_;  // when rendered
+  std::unique_ptr<std::array<detect::BlobSet, 2>> blobs_;    // too large for a stack
   std::unique_ptr<pipeline::PairResult> result_;
 };
 

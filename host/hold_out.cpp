@@ -107,13 +107,13 @@ HoldOut TestHoldOut(const BundleSetting& setting, const optics::Rig& rig,
   for (const StereoBar& bar : bars) {
     const auto fitted = FitBar(setting, rig, bar);
     if (!fitted || !(fitted->chi2 < kChi2Max)) {
-      ++out.wrong;
+      out.misfits.push_back(bar);
       continue;
     }
     const auto measured = Measure(setting, rig, covariance, bar);
     if (!measured) continue;
     const double error_m = measured->length_m - setting.targets[bar.target].LengthM();
-    out.bars.push_back({fitted->place.centre_l_m.norm(), error_m, measured->sigma_m});
+    out.bars.push_back({KeyOf(bar), fitted->place.centre_l_m.norm(), error_m, measured->sigma_m});
     chi2 += fitted->chi2;
     errors_m2 += error_m * error_m;
     predicted_m2 += measured->sigma_m * measured->sigma_m;

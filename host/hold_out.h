@@ -12,13 +12,14 @@ namespace adit::host {
 
 /// The length error of one held-out bar.
 struct HeldBar {
+  BarKey key;
   double distance_m = 0;
   double error_m = 0, predicted_m = 0;  ///< measured minus stated length; one standard deviation of it
 };
 
 struct HoldOut {
   std::vector<HeldBar> bars;
-  std::size_t wrong = 0;                ///< wrong pairs among them, left out
+  std::vector<StereoBar> misfits;       ///< wrong pairs among them, left out
   double error_m = 0, predicted_m = 0;  ///< rms of both
   double ratio = 0;                     ///< rms of error over prediction; 1 as predicted
   double reprojection = 0;              ///< residuals against the centroids' covariances, as sigma0

@@ -80,24 +80,29 @@ std::optional<PlaceDerivatives> DerivativesOf(const optics::Rig& rig, const RawP
   return out;
 }
 
-std::optional<RigPrediction> Predict(const optics::Rig& rig, const optics::RigCovariance& covariance,
-                                     double distance_m, double noise_px) {
-  const Vector3d point = Ahead(rig, distance_m);
+std::optional<RigPrediction> PredictAt(const optics::Rig& rig, const optics::RigCovariance& covariance,
+                                       const Vector3d& point, double noise_px) {
   const auto left_px = rig.left.Project(point), right_px = rig.right.Project(rig.T_r_l * point);
   if (!left_px || !right_px) return std::nullopt;
   const auto derivatives = DerivativesOf(rig, {*left_px, *right_px});
   if (!derivatives) return std::nullopt;
-  const Eigen::Matrix3d axes = ViewAxes(point, 0.5 * rig.T_r_l.Inverse().translation_m);
+  const Vector3d middle = 0.5 * rig.T_r_l.Inverse().translation_m;
+  const Eigen::Matrix3d axes = ViewAxes(point, middle);
   const Eigen::Matrix<double, 3, optics::kRigParameters> by_rig = axes * derivatives->by_rig;
   const Eigen::Matrix<double, 3, 4> by_pixel = axes * derivatives->by_pixel;
   const Vector3d sigma_m = (by_rig * covariance * by_rig.transpose()).diagonal().cwiseMax(0).cwiseSqrt();
   RigPrediction out;
-  out.distance_m = distance_m;
+  out.distance_m = (point - middle).norm();
   out.across_m = sigma_m.x(), out.up_m = sigma_m.y(), out.depth_m = sigma_m.z();
   out.noise_depth_m = noise_px * by_pixel.row(2).norm();
   out.depth_per_yaw_m_rad = std::abs(by_rig(2, 1));
   out.depth_per_px_m = 0.5 * std::abs(by_pixel(2, 2) - by_pixel(2, 0));
   return out;
+}
+
+std::optional<RigPrediction> Predict(const optics::Rig& rig, const optics::RigCovariance& covariance,
+                                     double distance_m, double noise_px) {
+  return PredictAt(rig, covariance, Ahead(rig, distance_m), noise_px);
 }
 
 }  // namespace adit::host

@@ -30,17 +30,21 @@ struct PlaceDerivatives {
 };
 std::optional<PlaceDerivatives> DerivativesOf(const optics::Rig& rig, const RawPair& pair);
 
-/// One standard deviation of a point straight ahead of the rig, in the directions of view: across (level),
-/// up, and along.
+/// One standard deviation of a point in the directions of view: across (level), up, and along.
 struct RigPrediction {
   double distance_m = 0;
-  double across_m = 0, up_m = 0, depth_m = 0;  ///< from the calibration: the same for all points there
+  double across_m = 0, up_m = 0, depth_m = 0;  ///< from the calibration
   double noise_depth_m = 0;                    ///< of one LED, from `noise_px`
   double depth_per_yaw_m_rad = 0;              ///< yaw sensitivity: depth by relative yaw
   double depth_per_px_m = 0;                   ///< range sensitivity: depth by one pixel of disparity
 };
 
-/// Declines where not both cameras look.
+/// Of a point of the left camera's frame; its distance is that from the middle of the baseline. Declines
+/// where not both cameras look.
+std::optional<RigPrediction> PredictAt(const optics::Rig& rig, const optics::RigCovariance& covariance,
+                                       const Eigen::Vector3d& point_l_m, double noise_px);
+
+/// The same straight ahead of the rig.
 std::optional<RigPrediction> Predict(const optics::Rig& rig, const optics::RigCovariance& covariance,
                                      double distance_m, double noise_px);
 

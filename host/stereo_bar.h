@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <tuple>
 
 #include "firmware/base/target.h"
 #include "firmware/base/time.h"
@@ -28,10 +29,13 @@ struct StereoBar {
   std::uint16_t recording = 0;  ///< index into the recordings
 };
 
+/// Recording, mid-exposure, target: of all candidates with one key at most one is right.
+using BarKey = std::tuple<std::uint16_t, base::TimeNs, std::uint8_t>;
+inline BarKey KeyOf(const StereoBar& bar) { return {bar.recording, bar.mid_exposure_ns, bar.target}; }
+
 /// A lamp or LED at rest that both cameras saw, its place unknown; averaged over the frames.
 struct StereoPoint {
   LedView left, right;
-  std::uint16_t recording = 0;  ///< index into the recordings
 };
 
 }  // namespace adit::host

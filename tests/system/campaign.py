@@ -41,6 +41,16 @@ def suites(work):
     ends(2, ["--track"], "evaluate")
 
 
+def calibrations(work):
+    """Every case with three calibrations: simulated centroids, clutter, rendered recordings, the seed's tables."""
+    figures = work / "calibrations.json"
+    ends(0, ["clutter", "rendered"], "evaluate", "--suite", "calibration", "--count", "3", "--json", figures)
+    cases = json.loads(figures.read_text())["cases"]
+    expect(len(cases) == 6 and all(case["holds"] for case in cases), f"six cases hold: {cases}")
+    ends(2, ["--case", "'posse'", "pose, intrinsics"], "evaluate", "--suite", "calibration", "--case", "posse")
+    ends(0, ["5.1", "5.6"], "evaluate", "--suite", "seed", "--count", "3")
+
+
 def diffs(work):
     track = GOLDEN / "track.csv"
     ends(0, ["the same"], "diff", track, track)
@@ -65,7 +75,7 @@ def inspections(work):
 
 def main():
     with tempfile.TemporaryDirectory(prefix="adit_campaign_") as folder:
-        for step in [suites, diffs, inspections]:
+        for step in [suites, calibrations, diffs, inspections]:
             print(f"-- {step.__name__}", flush=True)
             step(pathlib.Path(folder))
     print(f"{len(FAULTS)} faults")

@@ -66,6 +66,13 @@ def calibrate(work):
     expect(rig == (work / "again.yaml").read_text(), "the same recording gives the same rig file")
     baseline_m = float(re.search(r"baseline_m: (\S+)", rig).group(1))
     expect(abs(baseline_m - 9) < 0.003, f"baseline {baseline_m} m is 9 m within 3 mm")
+    told = must(*arguments, work / "lit.yaml", "--lights-at-rest", "--json", work / "lit.json")
+    used, left, right = map(int, re.search(r"lights +(\d+) at rest used; (\d+) .* cam0, (\d+)", told).groups())
+    expect(1 <= used <= min(left, right), f"of the four lamps some are at rest in both images: {told}")
+    parts = json.loads((work / "lit.json").read_text())["parts"]
+    region = next(part["facts"]["wave_next"] for part in parts if "facts" in part)
+    expect(re.fullmatch(r"((upper|lower) )?(left|middle|right), \d+ to \d+ m", region) and region in told,
+           f"the region to wave next is in the text and the JSON: {region}")
 
 
 def track_drive(work):

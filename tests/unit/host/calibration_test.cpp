@@ -6,6 +6,7 @@
 
 #include "host/calibration_text.h"
 #include "tests/support/nees.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/support/synthetic_rig.h"
 
 #include <CppUTest/TestHarness.h>
@@ -262,4 +263,47 @@ TEST(Calibration, NamesACalibrationByItsContent) {
   const auto id = [](const std::string& file) { return file.substr(file.find("calibration_id"), 26); };
   CHECK_FALSE(id(text) == id(other));
   CHECK(Contains(text, "quality:"));
+}
+
+// Every tenth bar is held out. Half a pixel across the epipolar lines passes the search for them, but fits no
+// bar.
+TEST(Calibration, NamesWrongPairsAmongTheBarsHeldOut) {
+  auto input = Waved(rig_, {}, 200, 98);
+  for (std::size_t i = 9; i < input.bars.size(); i += 10) {
+    for (auto& led : input.bars[i].left) led.raw_px.y() += 0.5, led.ideal_px.y() += 0.5;
+  }
+  const auto calibration = MustCalibrate(input);
+  std::size_t named = 0;
+  for (const auto& pair : calibration.wrong) {
+    named += Contains(pair.reason, "held out") ? 1 : 0;
+    LONGS_EQUAL(9, pair.mid_exposure_ns / 16'666'667 % 10);
+  }
+  LONGS_EQUAL(20, named);
+  CHECK(Contains(WrongPairs(calibration, input), "held out, fits no place of the bar"));
+  LONGS_EQUAL(180, RightBars(calibration));
+}
+
+TEST(Calibration, TheRigFileKeepsTheCovariance) {
+  const adit::tests::ScratchFolder folder;
+  const auto calibration = MustCalibrate(Waved(rig_, {}, 100, 99));
+  const std::string path = folder.Write("rig.yaml", FormatCalibration(calibration));
+  const auto rig = adit::optics::LoadRig(path);
+  const auto covariance = adit::optics::LoadRigCovariance(path);
+  CHECK_TRUE(rig);
+  CHECK_TRUE(covariance);
+  CHECK(covariance->has_value());
+  const Eigen::VectorXd sigma = calibration.covariance.diagonal().cwiseSqrt();
+  for (int i = 0; i < sigma.size(); ++i) {
+    for (int j = 0; j < sigma.size(); ++j)
+      DOUBLES_EQUAL(calibration.covariance(i, j), (**covariance)(i, j), 1e-7 * sigma[i] * sigma[j]);
+  }
+  DOUBLES_EQUAL(0, (rig->T_r_l.translation_m - calibration.rig.T_r_l.translation_m).norm(), 1e-9);
+}
+
+TEST(Calibration, SaysWhereToWaveNext) {
+  const auto calibration = MustCalibrate(Waved(rig_, {}, 100, 100));
+  CHECK_FALSE(calibration.quality.gaps.empty());
+  const std::string words = calibration.quality.gaps.front().Words();
+  CHECK(Contains(Summary(calibration), words));
+  CHECK(Contains(FormatCalibration(calibration), "wave_next: \"" + words + "\""));
 }

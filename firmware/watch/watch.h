@@ -11,10 +11,12 @@
 #include "firmware/stereo/view.h"
 #include "firmware/watch/bar_view.h"
 #include "firmware/watch/information.h"
+#include "firmware/watch/reference_lights.h"
 
 namespace adit::watch {
 
-/// "Seconds" are seconds of tracking: rate_hz pairs with at least one target measured in full.
+/// "Seconds" are seconds of tracking: rate_hz pairs with at least one target measured in full, or three fixed
+/// LEDs in view.
 struct WatchOptions {
   double rate_hz = 60;
   int learn_s = 300;  ///< what a target's reference is learned from; at least kWindowS
@@ -27,6 +29,7 @@ struct WatchOptions {
   double shift_sigma_m = 3e-5;
   /// A turn of this much, 1 sigma an axis, is no change: lens and air.
   double allowance_rad = 0.5e-6;
+  std::vector<Eigen::Vector3d> lights_b_m;  ///< fixed LEDs, if there are any: rig frame, known to a few px
 };
 
 enum class Verdict : std::uint8_t {
@@ -65,6 +68,9 @@ struct Finding {
 /// a test, so less than once in 1000 hours of tracking. kChanged ends when all axes are below kClear sigmas
 /// with as much evidence as called it; references are not learned meanwhile.
 ///
+/// Fixed LEDs (WatchOptions::lights_b_m) add what they tell, with a reference of their own that is learned in
+/// the same time: with them a change is also found while nothing else is about.
+///
 /// The turn is that of the right camera relative to the left: a yaw or pitch of the left one shows as the
 /// opposite. No allocation after construction; one thread.
 class Watch {
@@ -78,7 +84,7 @@ class Watch {
   Watch(const optics::Rig& rig, const std::vector<base::Target>& targets, const WatchOptions& options,
         const MotionMatrix& calibration_covariance);
 
-  /// One pair. Only targets that were measured in full (kTracked) count.
+  /// One pair. Of its targets only those that were measured in full (kTracked) count.
   void Add(const stereo::PointSet& set);
 
   const Finding& Latest() const { return finding_; }
@@ -102,6 +108,7 @@ class Watch {
   bool Look(std::size_t target, const stereo::PointSet& set, const stereo::TargetPoints& points);
   void Close(std::size_t target, bool stayed);
   void EndSecond();
+  void EndSecondOfLights();
   void Test();
   void Judge(const Eigen::Vector3d& turn_rad, const Eigen::Matrix3d& covariance);
   void Learn(Lane& lane) const;
@@ -112,7 +119,10 @@ class Watch {
   MotionMatrix prior_covariance_, prior_;  ///< of the reference that is the calibration itself
   MotionMatrix change_prior_;              ///< information on the change: it turns freely, and hardly shifts
   std::vector<Lane> lanes_;
-  std::size_t slot_ = 0;  ///< of the present second
+  ReferenceLights lights_;
+  std::array<Information, kWindowS> lights_window_;
+  int lights_learned_s_ = 0;  ///< seconds that their reference has been learned from
+  std::size_t slot_ = 0;      ///< of the present second
   int second_pairs_ = 0;
   double alarm_sigma_rad_ = 0;  ///< of the yaw, when the alarm was called
   Finding finding_;

@@ -9,7 +9,6 @@
 
 #include "host/calibration_bound.h"
 #include "host/calibration_suite.h"
-#include "host/confidence.h"
 #include "host/simulated_calibration.h"
 
 namespace adit::host {
@@ -17,6 +16,17 @@ namespace {
 
 using Eigen::Vector3d;
 using RigVector = Eigen::Matrix<double, optics::kRigParameters, 1>;
+
+/// How a normalised sum of squares of `freedom` chi-square terms may lie, 95 % (Wilson-Hilferty).
+struct ChiSquareBounds {
+  double low, high;
+
+  explicit ChiSquareBounds(double freedom) {
+    const double part = 2 / (9 * freedom);
+    low = std::pow(1 - part - 1.96 * std::sqrt(part), 3);
+    high = std::pow(1 - part + 1.96 * std::sqrt(part), 3);
+  }
+};
 
 RigVector ErrorOf(const TrueRig& truth, const optics::Rig& rig) {
   const Eigen::AngleAxisd turn(rig.T_r_l.rotation * truth.rotation.transpose());

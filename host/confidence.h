@@ -8,10 +8,10 @@ namespace adit::host {
 
 /// If a stated covariance is true, 95 % of the means of `freedom` squared normalised errors lie between these
 /// (Wilson and Hilferty 1931).
-struct ChiSquareBounds {
+struct NormalisedErrorLimits {
   double low, high;
 
-  explicit ChiSquareBounds(double freedom) {
+  explicit NormalisedErrorLimits(double freedom) {
     const double part = 2 / (9 * freedom);
     low = std::pow(1 - part - 1.96 * std::sqrt(part), 3);
     high = std::pow(1 - part + 1.96 * std::sqrt(part), 3);

@@ -1,24 +1,10 @@
 // The cases of the suite `underground`.
 #pragma once
 
-#include <cstdint>
-#include <string>
-
 #include "host/episode.h"
-#include "host/suite_report.h"
+#include "host/suite_cases.h"
 
 namespace adit::host {
-
-/// How much of a case is wanted.
-struct CaseOrder {
-  std::size_t count = 0;  ///< 0: the case's own short form
-  std::uint64_t seed = 1;
-
-  std::size_t CountOr(std::size_t short_form) const { return count == 0 ? short_form : count; }
-};
-
-/// The seed of the piece `index` of a case.
-std::uint64_t PieceSeed(const CaseOrder& order, std::size_t index);
 
 /// Every tenth piece of a large count is rendered.
 inline Imaging ImagingOf(std::size_t index) {

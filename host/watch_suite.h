@@ -2,8 +2,7 @@
 // Simulation.
 #pragma once
 
-#include "host/suites.h"
-#include "host/underground_cases.h"
+#include "host/suite_cases.h"
 
 namespace adit::host {
 

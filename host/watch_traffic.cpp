@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "firmware/base/require.h"
 #include "host/tunnel.h"
 
 namespace adit::host {
@@ -25,8 +26,11 @@ optics::Rig PlainRig() {
   return rig;
 }
 
-std::vector<base::Target> AsVector(const std::array<base::Target, 2>& targets) {
-  return {targets.begin(), targets.end()};
+pipeline::Pipeline ReadyPipeline(const optics::Rig& rig) {
+  const auto targets = WatchTraffic::Targets();
+  auto pipeline = pipeline::Pipeline::Make(rig, ModelsOf({targets.begin(), targets.end()}), {});
+  ADIT_REQUIRE(pipeline);
+  return std::move(*pipeline);
 }
 
 }  // namespace
@@ -37,8 +41,9 @@ WatchTraffic::WatchTraffic(const TrafficPlan& plan, std::uint64_t seed)
       real_(calibrated_),
       frame_(calibrated_),
       draw_(seed, kTrafficStream),
-      locator_(calibrated_, AsVector(Targets())),
-      blobs_(std::make_unique<std::array<detect::BlobSet, 2>>()) {
+      pipeline_(ReadyPipeline(calibrated_)),
+      blobs_(std::make_unique<std::array<detect::BlobSet, 2>>()),
+      result_(std::make_unique<pipeline::PairResult>()) {
   for (std::size_t machine = 0; machine < courses_.size(); ++machine) {
     Course& course = courses_[machine];
     course.period_s = draw_.Uniform(kPeriodMinS, kPeriodMaxS);
@@ -88,10 +93,7 @@ void WatchTraffic::Show(std::size_t machine) {
   const auto pixels = PixelsOf(real_, Targets()[machine], PoseAt(machine), length_scale_[machine]);
   if (!pixels) return;
   const BarPixels seen = draw_.Noisy(*pixels, plan_.noise_px);
-  identify::Sighting sighting;
-  sighting.target = static_cast<std::uint8_t>(machine);
   for (std::size_t i = 0; i < base::kLedCount; ++i) {
-    sighting.blobs[i] = static_cast<std::uint16_t>((*blobs_)[0].blobs.size());
     for (std::size_t side = 0; side < 2; ++side) {
       const Vector2d phase_rad = kFullTurnRad * (*pixels)[side][i];
       detect::Blob blob;
@@ -99,23 +101,26 @@ void WatchTraffic::Show(std::size_t machine) {
                                         Vector2d(std::sin(phase_rad.x()), std::sin(phase_rad.y()));
       blob.ideal_px = blob.raw_px;  // no distortion
       blob.covariance_px2 = plan_.noise_px * plan_.noise_px * Eigen::Matrix2d::Identity();
-      blob.flux_dn = 3000, blob.peak_dn = 206, blob.background_dn = 6;
+      blob.flux_dn = 3000, blob.peak_dn = 206, blob.background_dn = 6, blob.area_px = 30;
+      blob.sigma_major_px = blob.sigma_minor_px = 1.5F;
       (*blobs_)[side].blobs.push_back(blob);
     }
   }
-  sightings_[0].sightings.push_back(sighting);
 }
 
 const stereo::PointSet& WatchTraffic::Next() {
   ++pair_;
-  sightings_[0].sightings.clear();
   for (std::size_t side = 0; side < 2; ++side) {
-    (*blobs_)[side].blobs.clear();
-    sightings_[side].blob_set = &(*blobs_)[side];
+    detect::BlobSet& blobs = (*blobs_)[side];
+    blobs.blobs.clear();
+    blobs.stamp.side = side == 0 ? base::Side::kLeft : base::Side::kRight;
+    blobs.stamp.trigger = pair_;
+    blobs.stamp.mid_exposure_ns = std::llround(TimeS() * static_cast<double>(base::kNsPerS));
+    blobs.stamp.status = base::FrameStatus::kOk;
   }
   for (std::size_t machine = 0; machine < courses_.size(); ++machine) Show(machine);
-  locator_.Locate(sightings_[0], sightings_[1], points_);
-  return points_;
+  pipeline_.Locate((*blobs_)[0], (*blobs_)[1], *result_);
+  return result_->points;
 }
 
 }  // namespace adit::host

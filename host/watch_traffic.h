@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "firmware/stereo/locator.h"
+#include "firmware/pipeline/pipeline.h"
 #include "host/seed_world.h"
 
 namespace adit::host {
@@ -14,16 +14,15 @@ namespace adit::host {
 struct TrafficPlan {
   double rate_hz = 60;
   double noise_px = 0.0084;  ///< of every coordinate, stated by the blobs
-  /// rms of what depends on where on the pixel an LED falls and no covariance states (bounds 2.1: threshold
-  /// 30, peak 200 DN).
-  double phase_bias_px = 0.0035;
+  /// rms of what depends on where on the pixel an LED falls and no covariance states: the most that the
+  /// box's detection leaves at a peak of 200 DN (1.04 times the bound over all phases).
+  double phase_bias_px = 0.0025;
   double nearest_m = 20, farthest_m = 80;
   double bar_sigma_m = 1e-4;  ///< what each bar's true length is off by
 };
 
 /// Two bars of 1.5 m, each on a machine that goes to and fro with a period and a sway of its own. Base 9 m,
-/// lenses without distortion; the projection is the simulator's own. The sightings are true: who is who is
-/// not in question here.
+/// lenses without distortion; the projection is the simulator's own. What follows the detection is the box's.
 class WatchTraffic {
  public:
   WatchTraffic(const TrafficPlan& plan, std::uint64_t seed);
@@ -33,7 +32,7 @@ class WatchTraffic {
   const optics::Rig& Calibrated() const { return calibrated_; }
   /// From now on the right camera is turned and shifted by this against its calibration (watch::Motion).
   void Move(const Eigen::Vector3d& turn_rad, const Eigen::Vector3d& shift_b_m);
-  /// The next pair, located with the calibrated rig. Valid until the next call.
+  /// The next pair, identified and located with the calibrated rig. Valid until the next call.
   const stereo::PointSet& Next();
   /// Of the last pair.
   std::array<BarPose, 2> Poses() const { return {PoseAt(0), PoseAt(1)}; }
@@ -57,11 +56,10 @@ class WatchTraffic {
   MiddleFrame frame_;
   SeedDraw draw_;
   std::array<Course, 2> courses_;
-  stereo::Locator locator_;
+  pipeline::Pipeline pipeline_;
   std::array<double, 2> length_scale_{};
   std::unique_ptr<std::array<detect::BlobSet, 2>> blobs_;  // too large for a stack
-  std::array<identify::SightingSet, 2> sightings_;
-  stereo::PointSet points_;
+  std::unique_ptr<pipeline::PairResult> result_;
   std::uint64_t pair_ = 0;
 };
 

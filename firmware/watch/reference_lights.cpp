@@ -113,7 +113,7 @@ bool ReferenceLights::Look(Light& light, const std::array<const detect::BlobSet*
   return true;
 }
 
-ReferenceLights::Sums ReferenceLights::Gather(double bias_px, int seconds) const {
+ReferenceLights::Sums ReferenceLights::Gather(int seconds) const {
   Sums sums;
   for (const Light& light : lights_) {
     if (light.reference.pairs == 0 || light.second.pairs == 0) continue;
@@ -124,7 +124,7 @@ ReferenceLights::Sums ReferenceLights::Gather(double bias_px, int seconds) const
       if (!views_[side].Project(light.place_b_m, seen_px, slope)) continue;  // in view: it never declines
       const stereo::Observation now = light.second.Mean(side), then = light.reference.Mean(side);
       const stereo::Observation change{now.px - then.px, now.covariance_px2 + seconds * then.covariance_px2};
-      const Eigen::Matrix2d w = change.Whitener(std::sqrt(seconds) * bias_px);
+      const Eigen::Matrix2d w = change.Whitener(std::sqrt(seconds) * kAirPx);
       const Vector2d moved = w * change.px;
       const Eigen::Matrix<double, 2, 3> by_point = w * slope;
       Eigen::Matrix<double, 2, 6> by_common, by_motion = Eigen::Matrix<double, 2, 6>::Zero();
@@ -144,8 +144,8 @@ ReferenceLights::Sums ReferenceLights::Gather(double bias_px, int seconds) const
   return sums;
 }
 
-std::optional<Information> ReferenceLights::EndSecond(double bias_px, int seconds, std::uint32_t& wrong) {
-  const Sums once = Gather(bias_px, 1);
+std::optional<Information> ReferenceLights::EndSecond(int seconds, std::uint32_t& wrong) {
+  const Sums once = Gather(1);
   std::optional<Information> information;
   if (once.lights >= kLightsMin) {
     const Information alone = once.Reduced(1);
@@ -154,7 +154,7 @@ std::optional<Information> ReferenceLights::EndSecond(double bias_px, int second
     wide.diagonal().tail<3>().array() += 1 / (kCameraShiftM * kCameraShiftM);
     const double explained = alone.gradient.dot(wide.llt().solve(alone.gradient));
     if (alone.chi_square - explained <= kChiSquarePerCoordinate * 4 * once.lights) {
-      information = Gather(bias_px, seconds).Reduced(seconds);
+      information = Gather(seconds).Reduced(seconds);
       // Stated for many seconds at once, these say nothing of the noise of one.
       information->chi_square = 0;
     } else {

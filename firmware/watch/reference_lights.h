@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "firmware/detect/blob_set.h"
 #include "firmware/stereo/view.h"
 #include "firmware/watch/information.h"
 
@@ -22,6 +21,9 @@ namespace adit::watch {
 class ReferenceLights {
  public:
   static constexpr double kSwayM = 1e-3;  ///< of a mast or a pillar, 1 sigma an axis
+  /// What the air between bends the view of a light by for longer than half a minute, 1 sigma a coordinate.
+  /// Assumed: the half of the least that it moves a single image by at 100 m (0.007 px).
+  static constexpr double kAirPx = 0.004;
 
   ReferenceLights(const stereo::Views& views, const std::vector<Eigen::Vector3d>& places_b_m);
 
@@ -29,10 +31,10 @@ class ReferenceLights {
   int Add(const detect::BlobSet& left, const detect::BlobSet& right);
 
   /// Ends a second. If three lights with a reference were seen in it: information on the change since. What
-  /// does not average out over time (`bias_px` of a coordinate by the air, the reference's own noise, the
-  /// sway) is stated so large that `seconds` of these together hold it once. `wrong` counts seconds in which
-  /// the lights contradict each other; they tell nothing.
-  std::optional<Information> EndSecond(double bias_px, int seconds, std::uint32_t& wrong);
+  /// does not average out over time (the air, the reference's own noise, the sway) is stated so large that
+  /// `seconds` of these together hold it once. `wrong` counts seconds in which the lights contradict each
+  /// other; they tell nothing.
+  std::optional<Information> EndSecond(int seconds, std::uint32_t& wrong);
 
   /// What was seen since the start, or since Forget, becomes the reference of the lights that have none and
   /// were seen in `pairs_min` pairs.
@@ -61,7 +63,7 @@ class ReferenceLights {
   struct Sums;
 
   bool Look(Light& light, const std::array<const detect::BlobSet*, 2>& images);
-  Sums Gather(double bias_px, int seconds) const;
+  Sums Gather(int seconds) const;
 
   stereo::Views views_;
   std::vector<Light> lights_;

@@ -50,8 +50,9 @@ Watch::Watch(const optics::Rig& rig, const std::vector<base::Target>& targets, c
       lights_(views_, options.lights_b_m) {
   prior_covariance_ = AsMotion(rig, calibration_covariance);
   // A bar too long by a part looks like a baseline too short by it, and like a rig that has shifted since.
-  const double scale_m = kBarScale * rig.BaselineM();
-  prior_covariance_.diagonal().tail<3>().array() += scale_m * scale_m + std::pow(options.shift_sigma_m, 2);
+  const Vector3d scale_m = kBarScale * rig.T_r_l.Inverse().translation_m;
+  prior_covariance_.bottomRightCorner<3, 3>() += scale_m * scale_m.transpose();
+  prior_covariance_.diagonal().tail<3>().array() += std::pow(options.shift_sigma_m, 2);
   prior_covariance_.diagonal().head<3>().array() += std::pow(options.allowance_rad, 2);
   prior_ = base::InverseSymmetric(prior_covariance_);
   change_prior_.setZero();
@@ -121,7 +122,7 @@ void Watch::EndSecond() {
 }
 
 void Watch::EndSecondOfLights() {
-  const auto information = lights_.EndSecond(options_.bias_px, kWindowS, finding_.wrong);
+  const auto information = lights_.EndSecond(kWindowS, finding_.wrong);
   if (information) lights_window_[slot_] = *information;
   if (finding_.verdict == Verdict::kChanged) {
     lights_.Forget();
@@ -195,7 +196,8 @@ void Watch::Judge(const Vector3d& turn_rad, const Matrix3d& covariance) {
   }
   if (finding_.verdict != Verdict::kLearning) return;
   const auto learned = [](const Lane& lane) { return lane.reference.learned; };
-  if (lights_.Learned() || std::any_of(lanes_.begin(), lanes_.end(), learned)) finding_.verdict = Verdict::kHolds;
+  if (lights_.Learned() || std::any_of(lanes_.begin(), lanes_.end(), learned))
+    finding_.verdict = Verdict::kHolds;
 }
 
 }  // namespace adit::watch

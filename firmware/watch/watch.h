@@ -21,8 +21,9 @@ struct WatchOptions {
   double rate_hz = 60;
   int learn_s = 300;  ///< what a target's reference is learned from; at least kWindowS
   /// What a centroid is off by at one place of the image and no covariance of noise holds: the phase bias of
-  /// the detection at a peak of 200 DN (rms). If it is more, the spread of the residuals tells.
-  double bias_px = 0.004;
+  /// the detection at a peak of 200 DN (rms), whose centroids scatter by up to 1.04 times the bound of 0.0084
+  /// px over all phases (tests/bench/centroid_table). If it is more, the spread of the residuals tells.
+  double bias_px = 0.0025;
   /// How far the cameras have parted or sunk since the reference, 1 sigma an axis: 9 m of steel over 0.3 K. A
   /// turn has to show beside such a shift; a shift of ten times this looks like a turn and is called,
   /// rightly.

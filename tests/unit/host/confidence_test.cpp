@@ -3,7 +3,7 @@
 
 #include <CppUTest/TestHarness.h>
 
-using adit::host::ChiSquareBounds;
+using adit::host::NormalisedErrorLimits;
 using adit::host::PoissonUpper95;
 
 TEST_GROUP(Confidence){};
@@ -18,8 +18,8 @@ TEST(Confidence, PoissonLimitsAreThoseOfTheTables) {
 
 // Quantiles 2.5 % and 97.5 % of chi-square: 3.247 and 20.483 of 10, 74.222 and 129.561 of 100.
 TEST(Confidence, ChiSquareLimitsAreThoseOfTheTables) {
-  DOUBLES_EQUAL(3.247 / 10, ChiSquareBounds(10).low, 0.003);
-  DOUBLES_EQUAL(20.483 / 10, ChiSquareBounds(10).high, 0.003);
-  DOUBLES_EQUAL(74.222 / 100, ChiSquareBounds(100).low, 0.0005);
-  DOUBLES_EQUAL(129.561 / 100, ChiSquareBounds(100).high, 0.0005);
+  DOUBLES_EQUAL(3.247 / 10, NormalisedErrorLimits(10).low, 0.003);
+  DOUBLES_EQUAL(20.483 / 10, NormalisedErrorLimits(10).high, 0.003);
+  DOUBLES_EQUAL(74.222 / 100, NormalisedErrorLimits(100).low, 0.0005);
+  DOUBLES_EQUAL(129.561 / 100, NormalisedErrorLimits(100).high, 0.0005);
 }

@@ -85,7 +85,8 @@ base::Result<std::string> CorrectedRig(const std::string& path, const CameraTurn
   };
   if (!(turn.turn_rad.norm() <= kTurnMaxRad))
     return refusal("--turn-urad", "is more than 1000 urad; calibrate anew");
-  if (!(turn.sigma_rad.minCoeff() > 0 && turn.sigma_rad.maxCoeff() <= kTurnMaxRad))
+  // Coefficient by coefficient: Eigen's minimum of a vector with a NaN may be any.
+  if (!((turn.sigma_rad.array() > 0) && (turn.sigma_rad.array() <= kTurnMaxRad)).all())
     return refusal("--sigma-urad", "must be from above 0 to 1000 urad");
   auto rig = optics::LoadRig(path);
   if (!rig) return rig.error();

@@ -60,6 +60,7 @@ TEST_GROUP(RigCorrection) {
     adit::publish::HealthReport report;
     report.written_ns = 1;
     report.state = "DEGRADED";
+    report.counters = {{"pairs", 24'000}};
     report.calibration = calibration;
     folder.Write("health.yaml", adit::publish::FormatHealthReport(report));
   }

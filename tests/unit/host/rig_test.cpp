@@ -61,6 +61,7 @@ TEST_GROUP(RigCorrection) {
     report.written_ns = 1;
     report.state = "DEGRADED";
     report.counters = {{"pairs", 24'000}};
+    report.latency = {{"locate", "pair -> result", 24'000, 0, 30, 60, 90, 200}};
     report.calibration = calibration;
     folder.Write("health.yaml", adit::publish::FormatHealthReport(report));
   }

@@ -1,5 +1,6 @@
 // The cases of the suite `watch`.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iomanip>
 #include <optional>
@@ -197,7 +198,18 @@ namespace {
 struct QuietOutcome {
   std::size_t alarms = 0;
   double highest = 0;  ///< significance
+  std::string first;   ///< alarm
 };
+
+std::string Described(const watch::Finding& finding) {
+  std::ostringstream text;
+  text << std::setprecision(3) << "alarm after " << finding.tracked_s << " s:";
+  constexpr std::array kAxes{"pitch", "yaw", "roll"};
+  for (std::size_t i = 0; i < kAxes.size(); ++i)
+    text << " " << kAxes[i] << " " << finding.turn_rad[i] / kRadPerMicro << " +- "
+         << finding.sigma_rad[i] / kRadPerMicro;
+  return text.str() + " urad";
+}
 
 QuietOutcome RunQuiet(std::uint64_t seed, double seconds) {
   const TrafficPlan plan;
@@ -212,7 +224,7 @@ QuietOutcome RunQuiet(std::uint64_t seed, double seconds) {
     post.Move(part * turn_rad, part * shift_m);
     const watch::Finding& finding = post.Next();
     outcome.highest = std::max(outcome.highest, finding.significance);
-    outcome.alarms += HasChanged(finding) && !before ? 1 : 0;
+    if (HasChanged(finding) && !before && outcome.alarms++ == 0) outcome.first = Described(finding);
     before = HasChanged(finding);
   }
   return outcome;
@@ -242,11 +254,12 @@ SuiteReport MeasureQuiet(const CaseOrder& order) {
     return RunQuiet(PieceSeed(order, i), kSecondsPerHour / kPiecesPerHour);
   });
   QuietOutcome all;
+  SuiteReport report;
   for (const QuietOutcome& outcome : outcomes) {
+    if (!outcome.first.empty()) report.findings.push_back(outcome.first);
     all.alarms += outcome.alarms;
     all.highest = std::max(all.highest, outcome.highest);
   }
-  SuiteReport report;
   report.how =
       std::to_string(hours) +
       " hours of the same traffic in pieces of half an hour, each with its own calibration, bars and "

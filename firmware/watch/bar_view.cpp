@@ -18,6 +18,9 @@ constexpr int kBarParameters = 5, kCoordinates = 4 * kLedCount;
 /// and 1 cm of the centre. Wide; it only keeps the normal matrix regular.
 constexpr double kWidestTurnRad = 3e-4, kWidestShiftM = 0.01;
 
+/// Less than this is not told from noise, and is as good as standing.
+constexpr double kLeastMovePx = 0.02;
+
 Vector3d LedPoint(const base::Target& target, const Vector3d& epicenter_b_m, const Vector3d& direction_b,
                   std::size_t led) {
   return epicenter_b_m + (target.leds_m[led] - target.epicenter_m) * direction_b;
@@ -60,6 +63,7 @@ bool BarView::Add(const stereo::Views& views, const base::Target& target, const 
     }
   }
   if (pairs_ == 0) start_px_ = first_px;
+  last_px_ = first_px;
   epicenter_b_m_ = points.epicenter_b_m, direction_b_ = points.direction_b;
   pairs_ += 1;
   return true;
@@ -79,6 +83,10 @@ double BarView::MovedPx(const stereo::PointSet& set, const stereo::TargetPoints&
 std::optional<Information> BarView::Read(const stereo::Views& views, const base::Target& target,
                                          double bias_px, double chi_square_max) const {
   if (pairs_ == 0) return std::nullopt;
+  // The image in which a coordinate moved less decides.
+  const Vector2d moved_px =
+      (last_px_[0] - start_px_[0]).cwiseAbs().cwiseMin((last_px_[1] - start_px_[1]).cwiseAbs());
+  const Vector2d bias_px2 = bias_px * bias_px * moved_px.cwiseMax(kLeastMovePx).cwiseMin(1).cwiseInverse();
   Linearised all;
   Eigen::Matrix<double, 3, 2> tangent;
   tangent.col(0) = direction_b_.unitOrthogonal();
@@ -92,7 +100,8 @@ std::optional<Information> BarView::Read(const stereo::Views& views, const base:
       if (!views[s].Project(point_b_m, seen_px, slope)) return std::nullopt;
       // Of a mean of n: a sum of n covariances / n^2.
       const stereo::Observation mean{sums_[i][s].px / pairs_, sums_[i][s].covariance_px2 / (pairs_ * pairs_)};
-      const Eigen::Matrix2d w = mean.Whitener(bias_px);
+      const stereo::Observation biased{mean.px, mean.covariance_px2 + Eigen::Matrix2d(bias_px2.asDiagonal())};
+      const Eigen::Matrix2d w = biased.Whitener(0);
       const Eigen::Matrix<double, 2, 3> by_point = w * slope;
       all.residuals.segment<2>(row) = w * mean.px;
       all.by_bar.block<2, 3>(row, 0) = by_point;

@@ -14,7 +14,9 @@ namespace adit::watch {
 /// The residuals of one bar over the pairs in which it stayed at one place of the images.
 ///
 /// Noise averages out over these pairs; what a centroid is off by because of where the LED falls on the
-/// pixels does not, and counts once: weight (mean covariance / pairs + bias^2)^-1.
+/// pixels does not. A coordinate's bias has the period of the pixels: views during which it moves by d < 1 px
+/// share it with 1 / d others, so each of them states it that much larger, and all together once. Weight
+/// (mean covariance / pairs + bias^2 / d)^-1.
 class BarView {
  public:
   /// Adds one pair of a target that was measured in full. Declines, and adds nothing, if a blob is missing or
@@ -39,7 +41,9 @@ class BarView {
 
   int pairs_ = 0;
   LedSums sums_;  ///< residuals (seen minus measured) and covariances
-  std::array<Eigen::Vector2d, 2> start_px_{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  /// Of LED 1, left and right: where the view began, and its last pair.
+  std::array<Eigen::Vector2d, 2> start_px_{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()},
+      last_px_ = start_px_;
   Eigen::Vector3d epicenter_b_m_ = Eigen::Vector3d::Zero();  ///< of the last pair, with the direction
   Eigen::Vector3d direction_b_ = Eigen::Vector3d::UnitX();
 };

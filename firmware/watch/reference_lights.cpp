@@ -1,10 +1,10 @@
 #include "firmware/watch/reference_lights.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "firmware/base/pose.h"
+#include "firmware/base/symmetric.h"
 
 namespace adit::watch {
 
@@ -56,11 +56,11 @@ struct ReferenceLights::Sums {
     MotionMatrix known = common;
     known.diagonal().head<3>().array() += 1 / (seconds * kRigTurnRad * kRigTurnRad);
     known.diagonal().tail<3>().array() += 1 / (seconds * kSwayM * kSwayM);
-    const Eigen::LLT<MotionMatrix> solver(known);
+    const MotionMatrix pulled = base::SolveSymmetric(known, mixed);
     Information information;
-    information.normal = motion - mixed.transpose() * solver.solve(mixed);
-    information.gradient = motion_gradient - mixed.transpose() * solver.solve(common_gradient);
-    information.chi_square = chi_square - common_gradient.dot(solver.solve(common_gradient));
+    information.normal = motion - mixed.transpose() * pulled;
+    information.gradient = motion_gradient - pulled.transpose() * common_gradient;
+    information.chi_square = chi_square - common_gradient.dot(base::SolveSymmetric(known, common_gradient));
     return information;
   }
 };
@@ -152,7 +152,7 @@ std::optional<Information> ReferenceLights::EndSecond(int seconds, std::uint32_t
     MotionMatrix wide = alone.normal;
     wide.diagonal().head<3>().array() += 1 / (kCameraTurnRad * kCameraTurnRad);
     wide.diagonal().tail<3>().array() += 1 / (kCameraShiftM * kCameraShiftM);
-    const double explained = alone.gradient.dot(wide.llt().solve(alone.gradient));
+    const double explained = alone.gradient.dot(base::SolveSymmetric(wide, alone.gradient));
     if (alone.chi_square - explained <= kChiSquarePerCoordinate * 4 * once.lights) {
       information = Gather(seconds).Reduced(seconds);
       // Stated for many seconds at once, these say nothing of the noise of one.

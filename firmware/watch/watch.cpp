@@ -165,8 +165,7 @@ void Watch::Test() {
     noise += window.normal * lane.reference.by_noise * window.normal;
   }
   if (bars.redundancy < kRedundancyMin && !lit) return;
-  const MotionMatrix gain =
-      base::InverseSymmetric(MotionMatrix(bars.normal + lights.normal + change_prior_));
+  const MotionMatrix gain = base::InverseSymmetric(MotionMatrix(bars.normal + lights.normal + change_prior_));
   const Motion change = gain * (bars.gradient + lights.gradient);
   noise = std::max(1.0, Spread(bars, change)) * (noise + bars.normal);
   noise += lights.normal + change_prior_ + base::Congruence(by_calibration, prior_covariance_);

@@ -63,19 +63,19 @@ bool BarView::Add(const stereo::Views& views, const base::Target& target, const 
     }
   }
   if (pairs_ == 0) start_px_ = first_px;
-  last_px_ = first_px;
   epicenter_b_m_ = points.epicenter_b_m, direction_b_ = points.direction_b;
   pairs_ += 1;
   return true;
 }
 
-double BarView::MovedPx(const stereo::PointSet& set, const stereo::TargetPoints& points) const {
+double BarView::MoveTo(const stereo::PointSet& set, const stereo::TargetPoints& points) {
   const std::array<const detect::BlobSet*, 2> images{set.left->blob_set, set.right->blob_set};
   double moved_px = 0;
   for (std::size_t s = 0; s < 2; ++s) {
     const std::size_t index = points.blobs[s][0];
     if (pairs_ == 0 || index >= images[s]->blobs.size()) return 0;
-    moved_px = std::max(moved_px, (images[s]->blobs[index].ideal_px - start_px_[s]).norm());
+    last_px_[s] = images[s]->blobs[index].ideal_px;
+    moved_px = std::max(moved_px, (last_px_[s] - start_px_[s]).norm());
   }
   return moved_px;
 }

@@ -25,8 +25,9 @@ class BarView {
            const stereo::TargetPoints& points);
 
   int Pairs() const { return pairs_; }
-  /// How far the bar is in the images, LED 1 of the one where it is farther, from where the view began, px.
-  double MovedPx(const stereo::PointSet& set, const stereo::TargetPoints& points) const;
+  /// Notes where the bar is in this pair, which need not belong to the view any more. Returns how far that is
+  /// from where the view began, LED 1 of the image where it is farther, px.
+  double MoveTo(const stereo::PointSet& set, const stereo::TargetPoints& points);
   void Clear() { *this = BarView(); }
 
   /// The information of the mean residuals about the motion, the bar's own five parameters projected out:
@@ -41,7 +42,7 @@ class BarView {
 
   int pairs_ = 0;
   LedSums sums_;  ///< residuals (seen minus measured) and covariances
-  /// Of LED 1, left and right: where the view began, and its last pair.
+  /// Of LED 1, left and right: where the view began, and where the bar came to.
   std::array<Eigen::Vector2d, 2> start_px_{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()},
       last_px_ = start_px_;
   Eigen::Vector3d epicenter_b_m_ = Eigen::Vector3d::Zero();  ///< of the last pair, with the direction

@@ -79,7 +79,7 @@ void Watch::Add(const stereo::PointSet& set) {
 
 bool Watch::Look(std::size_t target, const stereo::PointSet& set, const stereo::TargetPoints& points) {
   Lane& lane = lanes_[target];
-  if (lane.view.MovedPx(set, points) >= kPlacePx) {
+  if (lane.view.MoveTo(set, points) >= kPlacePx) {
     Close(target, false);
   } else if (lane.view.Pairs() >= options_.rate_hz) {
     Close(target, true);

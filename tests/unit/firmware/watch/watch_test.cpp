@@ -25,12 +25,13 @@ adit::watch::MotionMatrix CalibrationCovariance() {
   return covariance;
 }
 
-/// The same information as 60 pairs a second at 0.02 px, at a sixth of the cost.
+/// The same information as 60 pairs a second of noise A at an LED peak of 200 DN (0.0084 px), at a sixth of
+/// the cost.
 constexpr double kSparseHz = 10;
 TrafficOptions Sparse() {
   TrafficOptions options;
   options.rate_hz = kSparseHz;
-  options.noise_px = 0.02 / std::sqrt(60 / kSparseHz);
+  options.noise_px = 0.0084 / std::sqrt(60 / kSparseHz);
   return options;
 }
 
@@ -104,7 +105,7 @@ TEST(Watch, IsQuietForAQuarterOfAnHourWithoutAChange) {
   CHECK_EQUAL(0U, stand.Found().wrong);
 }
 
-TEST(Watch, TheStatedSigmaOfTheTurnIsTrue) {
+TEST(Watch, TheStatedSigmaOfTheTurnIsNoneTooSmall) {
   constexpr int kRuns = 24;
   Eigen::Array3d squares = Eigen::Array3d::Zero();
   for (unsigned seed = 100; seed < 100 + kRuns; ++seed) {
@@ -122,10 +123,11 @@ TEST(Watch, TheStatedSigmaOfTheTurnIsTrue) {
     const Vector3d sigma_rad(stand.Found().sigma_rad.data());
     squares += ((TurnOf(stand.Found()) - turn_rad).array() / sigma_rad.array()).square();
   }
-  // Chi-square of 24 degrees of freedom: 99 % lie between 9.89 and 45.56.
+  // Chi-square of 24 degrees of freedom: 99.5 % lie below 45.56. The centroids' bias is stated as if it never
+  // averaged out, so that there is no such limit from below; a sigma four times too large would be useless.
   for (int axis = 0; axis < 3; ++axis) {
-    CHECK(squares[axis] > 9.89);
     CHECK(squares[axis] < 45.56);
+    CHECK(squares[axis] > 24.0 / 16);
   }
 }
 
@@ -154,7 +156,7 @@ TEST(Watch, ABarOfAnotherLengthThanItsModelIsNoTurn) {
 TEST(Watch, ParkedBarsAreNoTurnHoweverTheirCentroidsAreBiased) {
   for (const unsigned seed : {11U, 12U, 13U}) {
     TrafficOptions options = Sparse();
-    options.phase_bias_px = 0.02;
+    options.phase_bias_px = 5 * WatchOptions{}.bias_px;
     Stand stand(options, seed);
     stand.Learn();
     stand.Drive(7 * (seed - 10));

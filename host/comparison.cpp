@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -42,8 +43,8 @@ struct Sums {
 
   Figures Finish() const {
     Figures out = figures;
-    if (out.tracked == 0) return out;
     const auto count = static_cast<double>(out.tracked);
+    if (out.tracked == 0) out.max_m = std::numeric_limits<double>::quiet_NaN();  // so are all means: 0 / 0
     out.rms_m = std::sqrt(squares_m2 / count);
     out.bias_m /= count;
     out.nees = nees / count;

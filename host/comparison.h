@@ -19,6 +19,7 @@ struct Figures {
   std::size_t tracked = 0;    ///< of those, with a position
   std::size_t recovered = 0;  ///< of those, with rebuilt LEDs
   std::size_t hidden = 0;     ///< positions although fewer LEDs were visible; not in the errors
+  // Without any position these are NaN: there is no error to tell.
   double rms_m = 0, max_m = 0;
   Eigen::Vector3d bias_m = Eigen::Vector3d::Zero();  ///< mean of measured minus true
   double nees = 0;        ///< mean of sum (error / sigma)^2 over x, y, z; 3 if the sigmas are true

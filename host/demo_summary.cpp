@@ -57,7 +57,7 @@ Errors ErrorsBetween(const Comparison& comparison, double from_m, double to_m) {
   Errors errors;
   for (const Figures& figures : comparison.figures) {
     const bool all_distances = figures.from_m == 0 && figures.to_m > 100;
-    if (all_distances || figures.from_m < from_m || figures.to_m > to_m) continue;
+    if (all_distances || figures.from_m < from_m || figures.to_m > to_m || figures.tracked == 0) continue;
     errors.count += figures.tracked;
     errors.sum_m2 += figures.rms_m * figures.rms_m * static_cast<double>(figures.tracked);
     errors.max_m = std::max(errors.max_m, figures.max_m);

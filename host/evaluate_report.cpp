@@ -129,21 +129,35 @@ Plot StatedPlot(const Comparison& comparison) {
   return plot;
 }
 
+void PassVerdict(const Comparison& comparison, ReportPage& page) {
+  constexpr double kTrackedPct = 99;  // fewer, and a reader must not miss it
+  std::vector<std::string> wrong, missing;
+  if (comparison.false_positions > 0)
+    wrong.push_back(std::to_string(comparison.false_positions) + " positions of targets that were not there");
+  std::size_t flips = 0;
+  for (const Figures& f : comparison.figures) {
+    flips += f.flips;
+    const bool all_distances = f.from_m == 0 && f.to_m > 100;
+    if (all_distances && f.visible > 0 && f.TrackedPct() < kTrackedPct)
+      missing.push_back(f.target + ": " + std::to_string(f.visible - f.tracked) + " of " +
+                        std::to_string(f.visible) + " times without a position, although visible");
+  }
+  if (flips > 0) wrong.emplace_back("directions against the truth's");
+  if (!wrong.empty())
+    page.Verdict(ReportVerdict::kBad, "Wrong positions were reported:", wrong);
+  else if (!missing.empty())
+    page.Verdict(ReportVerdict::kCaution,
+                 "No false position, no direction turned, but positions are missing:", missing);
+  else
+    page.Verdict(ReportVerdict::kGood, "No false position, no direction turned.", {});
+}
+
 }  // namespace
 
 ReportPage MakeEvaluateReport(const Comparison& comparison, const std::string& track,
                               const std::string& truth) {
   ReportPage page("evaluate", "Track against truth", track + " against " + truth);
-  std::size_t flips = 0;
-  for (const Figures& f : comparison.figures) flips += f.flips;
-  std::vector<std::string> reasons;
-  if (comparison.false_positions > 0)
-    reasons.push_back(std::to_string(comparison.false_positions) +
-                      " positions of targets that were not there");
-  if (flips > 0) reasons.emplace_back("directions against the truth's");
-  page.Verdict(reasons.empty() ? ReportVerdict::kGood : ReportVerdict::kBad,
-               reasons.empty() ? "No false position, no direction turned." : "Wrong positions were reported:",
-               reasons);
+  PassVerdict(comparison, page);
   page.Facts(
       {{"rows", "positions compared", ReportNumber(static_cast<double>(comparison.rows.size()), 0), ""},
        {"false_positions", "false positions",

@@ -1,6 +1,7 @@
 #include "host/georef_page.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace adit::host {
@@ -10,6 +11,32 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kDegOfRadian = 180 / 3.14159265358979323846;
+
+ReportTable ParameterTable(const Georeferencing& result) {
+  ReportTable table{"solution",
+                    "Projection centre of the left camera, and where its axis points",
+                    {{"parameter", "parameter"}, {"value", "value"}, {"sigma", "sigma"}},
+                    {}};
+  const Vector3d place_m = result.fit.Apply(Vector3d::Zero()), place_sigma_m = OriginSigma(result);
+  const Vector3d attitude_deg = kDegOfRadian * AttitudeOf(result.fit.R_s_b),
+                 attitude_sigma_deg = kDegOfRadian * AttitudeSigma(result);
+  const auto row = [&table](const char* name, int decimals, double value, double sigma) {
+    table.rows.push_back({ReportWords(name), ReportNumber(value, decimals), ReportNumber(sigma, decimals)});
+  };
+  constexpr std::array kPlaces{"easting, m", "northing, m", "height, m"};
+  constexpr std::array kAngles{"heading, deg", "pitch, deg", "roll, deg"};
+  for (std::size_t i = 0; i < kPlaces.size(); ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    row(kPlaces[i], 4, place_m[axis], place_sigma_m[axis]);
+  }
+  for (std::size_t i = 0; i < kAngles.size(); ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    const bool is_given = i > 0 && !result.options.estimate_tilt;
+    row(kAngles[i], 5, attitude_deg[axis], is_given ? std::nan("") : attitude_sigma_deg[axis]);
+  }
+  row("scale beside the grid's, ppm", 1, result.scale_ppm, result.SigmaFactor() * result.scale_sigma_ppm);
+  return table;
+}
 
 ReportTable PointTable(const Georeferencing& result) {
   ReportTable table{"points",
@@ -112,22 +139,10 @@ ReportPage MakeGeorefPage(const Georeferencing& result, const GeorefOrigin& orig
                       origin.measured + " until " + origin.time + ", calibration " + origin.calibration_id +
                       ", surveyor " + (origin.surveyor.empty() ? "not told" : origin.surveyor));
   const auto refusal = result.Refusal();
-  page.Verdict(refusal ? ReportVerdict::kBad : ReportVerdict::kGood,
-               refusal ? "Refused: " + *refusal : "Accepted.");
-  const Vector3d place_m = result.fit.Apply(Vector3d::Zero());
-  const Vector3d attitude_deg = AttitudeOf(result.fit.R_s_b) * kDegOfRadian;
-  page.Facts({{"easting_m", "easting of the left camera", ReportNumber(place_m.x(), 4), "m"},
-              {"northing_m", "northing", ReportNumber(place_m.y(), 4), "m"},
-              {"height_m", "height", ReportNumber(place_m.z(), 4), "m"},
-              {"heading_deg", "heading", ReportNumber(attitude_deg.x(), 5), "deg"},
-              {"pitch_deg", "pitch", ReportNumber(attitude_deg.y(), 5), "deg"},
-              {"roll_deg", "roll", ReportNumber(attitude_deg.z(), 5), "deg"},
-              {"parameters", "parameters", ReportNumber(result.options.Parameters(), 0), ""},
+  page.Verdict(refusal ? ReportVerdict::kBad : ReportVerdict::kGood, refusal ? *refusal : "Accepted.");
+  page.Facts({{"parameters", "parameters", ReportNumber(result.options.Parameters(), 0), ""},
               {"grid_scale_factor", "grid scale factor (given)",
                ReportNumber(result.options.grid_scale_factor, 8), ""},
-              {"scale_ppm", "scale beside it", ReportNumber(result.scale_ppm, 1), "ppm"},
-              {"scale_sigma_ppm", "its sigma", ReportNumber(result.SigmaFactor() * result.scale_sigma_ppm, 1),
-               "ppm"},
               {"sigma0", "sigma0 a posteriori", ReportNumber(result.fit.sigma0, 3), ""},
               {"redundancy", "redundancy", ReportNumber(result.fit.redundancy, 0), ""},
               {"rms_horizontal_mm", "rms horizontal", ReportNumber(1e3 * result.rms_horizontal_m, 1), "mm"},
@@ -136,6 +151,8 @@ ReportPage MakeGeorefPage(const Georeferencing& result, const GeorefOrigin& orig
               {"limit_rms_mm", "allowed", ReportNumber(1e3 * result.limits.rms_m, 1), "mm"},
               {"largest_mm", "largest residual", ReportNumber(1e3 * result.largest_m, 1), "mm"},
               {"limit_residual_mm", "allowed", ReportNumber(1e3 * result.limits.residual_m, 1), "mm"}});
+  page.Section("Parameters");
+  page.Add(ParameterTable(result));
   page.Section("Points");
   page.Add(PointTable(result));
   page.Add(PlanPlot(result));

@@ -21,26 +21,6 @@ Matrix3d Turned(const Matrix3d& rotation, const Vector3d& turn_rad) {
   return angle_rad > 0 ? Matrix3d(Eigen::AngleAxisd(angle_rad, turn_rad / angle_rad) * rotation) : rotation;
 }
 
-/// One standard deviation of heading, pitch and roll.
-Vector3d AttitudeSigma(const Georeferencing& result) {
-  Matrix3d jacobian;
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const Vector3d turn_rad = kDifferenceRad * Vector3d::Unit(axis);
-    const Vector3d difference_rad =
-        AttitudeOf(Turned(result.fit.R_s_b, turn_rad)) - AttitudeOf(Turned(result.fit.R_s_b, -turn_rad));
-    for (Eigen::Index i = 0; i < 3; ++i)  // heading and roll may step by a turn between the two
-      jacobian(i, axis) = std::remainder(difference_rad[i], 2 * std::acos(-1.0)) / (2 * kDifferenceRad);
-  }
-  const Matrix3d covariance = jacobian * result.fit.covariance.topLeftCorner<3, 3>() * jacobian.transpose();
-  return result.SigmaFactor() * covariance.diagonal().cwiseMax(0).cwiseSqrt();
-}
-
-Vector3d OriginSigma(const Georeferencing& result) {
-  const Eigen::Matrix<double, 3, 7> jacobian = result.fit.Jacobian(Vector3d::Zero());
-  const Matrix3d covariance = jacobian * result.fit.covariance * jacobian.transpose();
-  return result.SigmaFactor() * covariance.diagonal().cwiseMax(0).cwiseSqrt();
-}
-
 class ReportWriter {
  public:
   ReportWriter(const Georeferencing& result, const GeorefOrigin& origin) : result_(result), origin_(origin) {
@@ -175,6 +155,25 @@ class ReportWriter {
 };
 
 }  // namespace
+
+Vector3d AttitudeSigma(const Georeferencing& result) {
+  Matrix3d jacobian;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const Vector3d turn_rad = kDifferenceRad * Vector3d::Unit(axis);
+    const Vector3d difference_rad =
+        AttitudeOf(Turned(result.fit.R_s_b, turn_rad)) - AttitudeOf(Turned(result.fit.R_s_b, -turn_rad));
+    for (Eigen::Index i = 0; i < 3; ++i)  // heading and roll may step by a turn between the two
+      jacobian(i, axis) = std::remainder(difference_rad[i], 2 * std::acos(-1.0)) / (2 * kDifferenceRad);
+  }
+  const Matrix3d covariance = jacobian * result.fit.covariance.topLeftCorner<3, 3>() * jacobian.transpose();
+  return result.SigmaFactor() * covariance.diagonal().cwiseMax(0).cwiseSqrt();
+}
+
+Vector3d OriginSigma(const Georeferencing& result) {
+  const Eigen::Matrix<double, 3, 7> jacobian = result.fit.Jacobian(Vector3d::Zero());
+  const Matrix3d covariance = jacobian * result.fit.covariance * jacobian.transpose();
+  return result.SigmaFactor() * covariance.diagonal().cwiseMax(0).cwiseSqrt();
+}
 
 Vector3d AttitudeOf(const Matrix3d& R_s_b) {
   const Vector3d right = R_s_b.col(0), down = R_s_b.col(1), forward = R_s_b.col(2);

@@ -23,6 +23,11 @@ struct GeorefOrigin {
 /// downwards) of the rig; radians.
 Eigen::Vector3d AttitudeOf(const Eigen::Matrix3d& R_s_b);
 
+/// One standard deviation of the rig's origin (E, N, H; m), and of heading, pitch and roll (rad), times
+/// SigmaFactor.
+Eigen::Vector3d OriginSigma(const Georeferencing& result);
+Eigen::Vector3d AttitudeSigma(const Georeferencing& result);
+
 /// Turns the rig frame into one with x right, y forward in the plane, z up, for a rig of this pitch and roll:
 /// HelmertOptions::R_level_b.
 Eigen::Matrix3d LevelFrame(double pitch_rad, double roll_rad);

@@ -362,7 +362,10 @@ std::vector<double> Ticks(double from, double to, int count, bool logarithmic) {
         if (step * decade >= from - slack && step * decade <= to + slack) ticks.push_back(step * decade);
       }
     }
-    return ticks;
+    // Over less than a decade these may be one or none: then the round places of a plain axis.
+    constexpr std::size_t kEnough = 3;
+    if (ticks.size() >= kEnough) return ticks;
+    ticks.clear();
   }
   const double rough = (to - from) / count, power = std::pow(10, std::floor(std::log10(rough)));
   double step = 10 * power;

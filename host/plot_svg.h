@@ -69,8 +69,8 @@ PlotHistogram HistogramOf(const std::string& name, const std::vector<double>& va
 /// to magnify residuals. 1 if there is nothing to see.
 double RoundMagnification(const std::vector<Eigen::Vector2d>& steps, double extent);
 
-/// Places of round ticks in [from, to], about `count` of them: 1, 2 or 5 times a power of ten, or the
-/// decades' 1, 2, 5 on a logarithmic axis.
+/// Places of round ticks in [from, to], about `count` of them: 1, 2 or 5 times a power of ten, or, on a
+/// logarithmic axis that has three of them, the decades' 1, 2, 5.
 std::vector<double> Ticks(double from, double to, int count, bool logarithmic);
 
 /// The drawing, one <svg> element of 480 x 320 units (same_scale: as high as its data ask for, within 200 to

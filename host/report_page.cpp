@@ -24,7 +24,7 @@ h2{font-size:1.15em;margin:1.8em 0 .5em;border-bottom:1px solid #999;break-after
 .verdict b{display:block}.verdict ul{margin:.4em 0 0;padding-left:1.2em}
 dl{display:grid;grid-template-columns:repeat(auto-fill,minmax(15em,1fr));gap:.15em 2em;margin:.6em 0}
 dl div{display:flex;justify-content:space-between;border-bottom:1px dotted #aaa;gap:1em}
-dt{color:#444}dd{margin:0;font-variant-numeric:tabular-nums;text-align:right}
+dt{color:#444}dd{margin:0;font-variant-numeric:tabular-nums;text-align:right;white-space:nowrap}
 table{border-collapse:collapse;margin:.4em 0 1.2em;font-size:.92em;font-variant-numeric:tabular-nums}
 caption{text-align:left;font-weight:bold;padding:.2em 0}
 th{border-top:2px solid #111;border-bottom:1px solid #111;text-align:right;vertical-align:bottom;font-weight:normal;

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "drivers/sim/projection.h"
+#include "firmware/base/require.h"
+#include "host/calibration_bound.h"
 
 namespace adit::host {
 namespace {
@@ -12,50 +14,67 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
+constexpr int kRig = optics::kRigParameters;
+using RigVector = Eigen::Matrix<double, kRig, 1>;
+
 // Large against rounding, small against the curvature of any lens and pose.
 constexpr double kStepM = 1e-4, kStepRad = 1e-6;
+RigVector StepSizes() {
+  IntrinsicVector camera;
+  camera << 0.01, 0.01, 0.01, 0.01, 1e-5, 1e-4, 1e-6, 1e-6;
+  RigVector steps;
+  steps << Vector3d::Constant(kStepRad), Vector3d::Constant(kStepM), camera, camera;
+  return steps;
+}
 
 /// Derivatives of the 16 coordinates of a bar: LED by LED, left u v, right u v.
 struct BarSlopes {
   Eigen::Matrix<double, 4 * base::kLedCount, 3> by_point;  ///< of an LED's rows by its own place
-  Eigen::Matrix<double, 4 * base::kLedCount, 6> by_rig;
+  Eigen::Matrix<double, 4 * base::kLedCount, kRig> by_rig;
   Eigen::Matrix<double, 4 * base::kLedCount, 5> by_bar;  ///< centre (3), direction (2)
   Eigen::Matrix<double, 3, 2> tangent;
   double centre_m = 0;  ///< place of the LEDs' mean along the bar
 };
 
-Vector2d RightPx(const optics::Rig& rig, const Vector3d& point_l_m, const Eigen::Matrix<double, 6, 1>& step) {
+optics::Rig Moved(const optics::Rig& rig, const RigVector& step) {
+  optics::Rig moved = rig;
   const Vector3d turn = step.head<3>();
-  const double angle = turn.norm();
-  const Matrix3d small =
-      angle > 0 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Matrix3d(Matrix3d::Identity());
-  return *sim::ProjectPoint(
-      rig.right, small * (rig.T_r_l.rotation * point_l_m) + rig.T_r_l.translation_m + step.tail<3>());
+  if (turn.norm() > 0)
+    moved.T_r_l.rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * rig.T_r_l.rotation;
+  moved.T_r_l.translation_m += step.segment<3>(3);
+  moved.left = CameraOf(Intrinsics(rig.left) + step.segment<kIntrinsics>(6), rig.left);
+  moved.right = CameraOf(Intrinsics(rig.right) + step.tail<kIntrinsics>(), rig.right);
+  return moved;
+}
+
+/// Left u, v, right u, v.
+Eigen::Vector4d Pixels(const optics::Rig& rig, const Vector3d& point_l_m) {
+  Eigen::Vector4d px;
+  px << *sim::ProjectPoint(rig.left, point_l_m), *sim::ProjectPoint(rig.right, rig.T_r_l * point_l_m);
+  return px;
 }
 
 BarSlopes SlopesOf(const optics::Rig& rig, const base::Target& target, const BarPose& pose) {
   BarSlopes slopes;
-  slopes.by_rig.setZero();
   slopes.tangent.col(0) = pose.direction_b.unitOrthogonal();
   slopes.tangent.col(1) = pose.direction_b.cross(slopes.tangent.col(0));
   for (const double led_m : target.leds_m) slopes.centre_m += led_m / base::kLedCount;
-  const Eigen::Matrix<double, 6, 1> none = Eigen::Matrix<double, 6, 1>::Zero();
+  const RigVector sizes = StepSizes();
+  for (int k = 0; k < kRig; ++k) {
+    const optics::Rig up = Moved(rig, sizes[k] * RigVector::Unit(k)),
+                      down = Moved(rig, -sizes[k] * RigVector::Unit(k));
+    for (Eigen::Index i = 0; i < base::kLedCount; ++i) {
+      const Vector3d point = pose.Point(target.leds_m[static_cast<std::size_t>(i)]);
+      slopes.by_rig.block<4, 1>(4 * i, k) = (Pixels(up, point) - Pixels(down, point)) / (2 * sizes[k]);
+    }
+  }
   for (Eigen::Index i = 0; i < base::kLedCount; ++i) {
     const double led_m = target.leds_m[static_cast<std::size_t>(i)];
     const Vector3d point = pose.Point(led_m);
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3d step = kStepM * Vector3d::Unit(axis);
-      slopes.by_point.block<2, 1>(4 * i, axis) =
-          (*sim::ProjectPoint(rig.left, point + step) - *sim::ProjectPoint(rig.left, point - step)) /
-          (2 * kStepM);
-      slopes.by_point.block<2, 1>(4 * i + 2, axis) =
-          (RightPx(rig, point + step, none) - RightPx(rig, point - step, none)) / (2 * kStepM);
-    }
-    for (int k = 0; k < 6; ++k) {
-      const double size = k < 3 ? kStepRad : kStepM;
-      const Eigen::Matrix<double, 6, 1> step = size * Eigen::Matrix<double, 6, 1>::Unit(k);
-      slopes.by_rig.block<2, 1>(4 * i + 2, k) =
-          (RightPx(rig, point, step) - RightPx(rig, point, -step)) / (2 * size);
+      slopes.by_point.block<4, 1>(4 * i, axis) =
+          (Pixels(rig, point + step) - Pixels(rig, point - step)) / (2 * kStepM);
     }
     slopes.by_bar.block<4, 3>(4 * i, 0) = slopes.by_point.block<4, 3>(4 * i, 0);
     slopes.by_bar.block<4, 2>(4 * i, 3) =
@@ -68,7 +87,7 @@ BarSlopes SlopesOf(const optics::Rig& rig, const base::Target& target, const Bar
 template <int kSize>
 struct Reach {
   Eigen::Matrix<double, kSize, kSize> noise;  ///< covariance for centroids of 1 px
-  Eigen::Matrix<double, kSize, 6> by_rig;     ///< error of the quantity by the rig's error
+  Eigen::Matrix<double, kSize, kRig> by_rig;  ///< error of the quantity by the rig's error
 };
 
 /// Least squares over the bar: y = centre and direction, then the epicenter.
@@ -89,34 +108,42 @@ Reach<1> LengthReach(const BarSlopes& s, const Vector3d& direction) {
     const double sign = i == 0 ? -1 : 1;
     reach.noise += direction.transpose() * inverse * direction;
     reach.by_rig -=
-        sign * direction.transpose() * inverse * slope.transpose() * s.by_rig.block<4, 6>(4 * i, 0);
+        sign * direction.transpose() * inverse * slope.transpose() * s.by_rig.block<4, kRig>(4 * i, 0);
   }
   return reach;
 }
 
 }  // namespace
 
-PoseCovariance WandBound(const optics::Rig& rig, const SeedSetup& setup, std::span<const BarPose> poses) {
-  PoseCovariance information = PoseCovariance::Zero();
-  for (const BarPose& pose : poses) {
-    const BarSlopes s = SlopesOf(rig, setup.bar, pose);
-    const Eigen::Matrix<double, 5, 6> mixed = s.by_bar.transpose() * s.by_rig;
-    information += s.by_rig.transpose() * s.by_rig -
-                   mixed.transpose() * (s.by_bar.transpose() * s.by_bar).inverse() * mixed;
-  }
-  PoseCovariance covariance = information.inverse() * setup.noise_px * setup.noise_px;
-  const double scale_sigma = setup.bar_sigma_m / setup.bar.LengthM();
-  const Vector3d t = rig.T_r_l.translation_m;
-  covariance.bottomRightCorner<3, 3>() += scale_sigma * scale_sigma * t * t.transpose();
-  return covariance;
+PoseInformation BarInformation(const optics::Rig& rig, const base::Target& target, const BarPose& pose) {
+  const BarSlopes s = SlopesOf(rig, target, pose);
+  const auto by_pose = s.by_rig.leftCols<6>();
+  const Eigen::Matrix<double, 5, 6> mixed = s.by_bar.transpose() * by_pose;
+  return by_pose.transpose() * by_pose -
+         mixed.transpose() * (s.by_bar.transpose() * s.by_bar).inverse() * mixed;
 }
 
-PlaceBound BoundAt(const optics::Rig& rig, const PoseCovariance& calibration, const base::Target& target,
-                   std::span<const BarPose> poses, double noise_px) {
+optics::RigCovariance WandBound(const optics::Rig& rig, const SeedSetup& setup,
+                                std::span<const BarPose> poses) {
+  CalibrationPlan plan;
+  plan.leds_m = setup.bar.leds_m;
+  plan.noise_px = setup.noise_px, plan.bar_sigma_m = setup.bar_sigma_m;
+  CalibrationDraw draw;
+  draw.rig = {Intrinsics(rig.left), Intrinsics(rig.right), rig.T_r_l.rotation, rig.T_r_l.translation_m};
+  draw.input.left_prior = PriorOf(setup.lens, rig.left);
+  draw.input.right_prior = PriorOf(setup.lens, rig.right);
+  for (const BarPose& pose : poses) draw.bars.push_back({pose.led1_b_m, pose.direction_b});
+  const auto bound = CalibrationBound(plan, draw);
+  ADIT_REQUIRE(bound.has_value());
+  return *bound;
+}
+
+PlaceBound BoundAt(const optics::Rig& rig, const optics::RigCovariance& calibration,
+                   const base::Target& target, std::span<const BarPose> poses, double noise_px) {
   const auto frames = static_cast<double>(poses.size());
   const Matrix3d R_m_b = MiddleFrame(rig).R_b_m.transpose();
-  Eigen::Matrix<double, 3, 6> position_by_rig = Eigen::Matrix<double, 3, 6>::Zero();
-  Eigen::Matrix<double, 1, 6> length_by_rig = Eigen::Matrix<double, 1, 6>::Zero();
+  Eigen::Matrix<double, 3, kRig> position_by_rig = Eigen::Matrix<double, 3, kRig>::Zero();
+  Eigen::Matrix<double, 1, kRig> length_by_rig = Eigen::Matrix<double, 1, kRig>::Zero();
   Matrix3d position_noise = Matrix3d::Zero();
   double length_noise = 0, length_systematic = 0;
   Vector3d mean_m = Vector3d::Zero(), moved_m2 = Vector3d::Zero();

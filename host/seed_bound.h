@@ -10,12 +10,17 @@
 
 namespace adit::host {
 
-/// Of (rotation vector about the right camera: rad, translation: m), as Calibration::covariance.
-using PoseCovariance = Eigen::Matrix<double, 6, 6>;
+/// Of (rotation vector about the right camera: rad, translation: m), as in optics::RigCovariance.
+using PoseInformation = Eigen::Matrix<double, 6, 6>;
 
-/// The bound of the relative pose: all bars of a wand, each with five unknowns of its own, eliminated (Schur
-/// complement); the bar's length known to `bar_sigma_m`, which scales the translation.
-PoseCovariance WandBound(const optics::Rig& rig, const SeedSetup& setup, std::span<const BarPose> poses);
+/// What one sight of a bar with centroids of 1 px tells of the relative pose, the lenses known and the bar's
+/// own place unknown: inverse of a covariance, addable.
+PoseInformation BarInformation(const optics::Rig& rig, const base::Target& target, const BarPose& pose);
+
+/// The bound of pose and intrinsics (CalibrationBound): all bars of a wand, its length known to `bar_sigma_m`
+/// and the lenses to `lens`.
+optics::RigCovariance WandBound(const optics::Rig& rig, const SeedSetup& setup,
+                                std::span<const BarPose> poses);
 
 /// What is reachable at a place, one standard deviation, over calibrations and frames.
 struct PlaceBound {
@@ -28,7 +33,7 @@ struct PlaceBound {
 };
 
 /// Over the frames of one place: `poses` of `target`.
-PlaceBound BoundAt(const optics::Rig& rig, const PoseCovariance& calibration, const base::Target& target,
-                   std::span<const BarPose> poses, double noise_px);
+PlaceBound BoundAt(const optics::Rig& rig, const optics::RigCovariance& calibration,
+                   const base::Target& target, std::span<const BarPose> poses, double noise_px);
 
 }  // namespace adit::host

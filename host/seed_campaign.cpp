@@ -22,11 +22,10 @@ constexpr base::TimeNs kWavePeriodNs = 100'000'000;
 class BarTracker {
  public:
   BarTracker(const optics::Rig& rig, const base::Target& target)
-      : identifiers_{Make(rig.left, target), Make(rig.right, target)}, locator_(rig, {target}) {}
+      : rig_(rig), identifiers_{Make(rig.left, target), Make(rig.right, target)}, locator_(rig, {target}) {}
 
-  /// `truth`: the lens that undistorts; its parameters are known here.
-  const stereo::TargetPoints& Track(const optics::Rig& truth, const BarPixels& pixels, double noise_px) {
-    FillBlobs(truth, pixels, noise_px, *blobs_);
+  const stereo::TargetPoints& Track(const BarPixels& pixels, double noise_px) {
+    FillBlobs(rig_, pixels, noise_px, *blobs_);
     for (std::size_t side = 0; side < 2; ++side)
       identifiers_[side].Identify((*blobs_)[side], sightings_[side]);
     locator_.Locate(sightings_[0], sightings_[1], points_);
@@ -42,6 +41,7 @@ class BarTracker {
     return identify::Identifier({GeometryModel(target, training)}, options);
   }
 
+  optics::Rig rig_;
   std::array<identify::Identifier, 2> identifiers_;
   stereo::Locator locator_;
   std::unique_ptr<std::array<detect::BlobSet, 2>> blobs_ = std::make_unique<std::array<detect::BlobSet, 2>>();
@@ -91,12 +91,17 @@ base::Result<SeedCampaign> SeedCampaign::Run(const SeedSetup& setup, std::size_t
   for (std::size_t k = 0; k < calibrations; ++k) {
     SeedDraw draw(seed, kWaveStream + k);
     const double length_scale = 1 + setup.bar_sigma_m * draw.Normal() / setup.bar.LengthM();
-    CalibrationInput input{{"calibration " + std::to_string(k)}, truth.left, truth.right, {setup.bar}, {}};
+    CalibrationInput input{{"calibration " + std::to_string(k)}, {}, {}, {setup.bar}, {}};
+    input.left_prior = PriorOf(setup.lens, truth.left), input.right_prior = PriorOf(setup.lens, truth.right);
+    input.bar_sigma_m = setup.bar_sigma_m;
+    optics::Rig believed = truth;  // its pose is not looked at
+    believed.left = input.left = draw.Mistaken(truth.left, input.left_prior);
+    believed.right = input.right = draw.Mistaken(truth.right, input.right_prior);
     std::vector<BarPose> poses;
     for (std::size_t frame = 0; frame < setup.frames; ++frame) {
       poses.push_back(draw.Wave(truth, setup, length_scale));
       const BarPixels pixels = *PixelsOf(truth, setup.bar, poses.back(), length_scale);
-      input.bars.push_back(StereoBarOf(truth, draw.Noisy(pixels, setup.noise_px), setup.noise_px));
+      input.bars.push_back(StereoBarOf(believed, draw.Noisy(pixels, setup.noise_px), setup.noise_px));
       input.bars.back().mid_exposure_ns = static_cast<base::TimeNs>(frame) * kWavePeriodNs;
     }
     CalibrationOptions options;
@@ -120,7 +125,7 @@ PlaceComparison SeedCampaign::Measure(const PlaceOrder& place) const {
     for (const BarPose& pose : place.poses) {
       const auto pixels = PixelsOf(truth_, place.target, pose);
       ADIT_REQUIRE(pixels.has_value());
-      const auto& points = tracker.Track(truth_, draw.Noisy(*pixels, setup_.noise_px), setup_.noise_px);
+      const auto& points = tracker.Track(draw.Noisy(*pixels, setup_.noise_px), setup_.noise_px);
       ++out.measured.frames;
       if (points.status == stereo::FixStatus::kTracked)
         sums.Add(points, place.target, pose.Point(place.target.epicenter_m));

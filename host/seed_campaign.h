@@ -48,7 +48,7 @@ class SeedCampaign {
   std::uint64_t seed_;
   optics::Rig truth_;
   std::vector<optics::Rig> rigs_;
-  PoseCovariance calibration_bound_ = PoseCovariance::Zero();
+  optics::RigCovariance calibration_bound_ = optics::RigCovariance::Zero();
 };
 
 }  // namespace adit::host

@@ -116,10 +116,16 @@ void AddRow(SeedTable& table, SeedRow row, const PlaceComparison& c) {
   table.rows.push_back(std::move(row));
 }
 
-SeedSetup HeadSetup() { return {10, 18, HeadBar(), 12, 18, 1200, 1e-4, SeedNoisePx()}; }
-SeedSetup HandSetup(double base_m) { return {base_m, 35, HandBar(), 25, 35, 1400, 1e-4, SeedNoisePx()}; }
+constexpr double kBarSigmaM = 1e-4;
+
+SeedSetup HeadSetup() {
+  return {10, 18, HeadBar(), 12, 18, 1200, kBarSigmaM, SeedNoisePx(), IntrinsicSigmas{}};
+}
+SeedSetup HandSetup(double base_m) {
+  return {base_m, 35, HandBar(), 25, 35, 1400, kBarSigmaM, SeedNoisePx(), IntrinsicSigmas{}};
+}
 SeedSetup MachineSetup(double base_m) {
-  return {base_m, 35, MachineBar(), 15, 30, 1100, 1e-4, SeedNoisePx()};
+  return {base_m, 35, MachineBar(), 15, 30, 1100, kBarSigmaM, SeedNoisePx(), IntrinsicSigmas{}};
 }
 
 base::Result<SeedTable> Table51(SeedRigs& rigs) {
@@ -331,8 +337,9 @@ std::vector<std::string> SeedCaveats(const SeedOrder& order) {
       "the two is no promise.",
       "Centroids are simulated with noise A (1.5 DN, 40 electrons a DN, 8 bit) at their own bound: " +
           ReadableNumber(SeedNoisePx(), 4) + " px a coordinate.",
-      "The lenses are known to the calibration; each calibration's bar is wrong by 0.1 mm (one standard "
-      "deviation).",
+      "Each calibration's camera files are wrong by 0.05 % of the focal length, 1 px of the principal point "
+      "and 0.2 px of distortion in the corner, its bar by 0.1 mm (one standard deviation each); it refines "
+      "what its bars tell of the lenses, and the bound knows as much of them.",
       "Adit's figures are root mean squares over " + std::to_string(order.calibrations) +
           " calibrations a rig, which themselves scatter by " +
           ReadableNumber(100 / std::sqrt(2.0 * static_cast<double>(order.calibrations)), 0) +

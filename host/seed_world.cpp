@@ -76,6 +76,12 @@ BarPose SeedDraw::TurnedAboutTip(const MiddleFrame& frame, const base::Target& t
   return pose;
 }
 
+optics::CameraModel SeedDraw::Mistaken(const optics::CameraModel& truth, const IntrinsicPrior& prior) {
+  IntrinsicVector z;
+  for (double& value : z) value = Normal();
+  return CameraOf(Intrinsics(truth) + prior.root * z, truth);
+}
+
 BarPixels SeedDraw::Noisy(const BarPixels& pixels, double noise_px) {
   BarPixels noisy = pixels;
   for (auto& side : noisy) {

@@ -11,6 +11,7 @@
 #include "firmware/base/target.h"
 #include "firmware/detect/blob_set.h"
 #include "firmware/optics/rig.h"
+#include "host/intrinsic_prior.h"
 #include "host/stereo_bar.h"
 
 namespace adit::host {
@@ -23,6 +24,8 @@ struct SeedSetup {
   std::size_t frames = 1100;
   double bar_sigma_m = 1e-4;  ///< how well the bar's length is known; every calibration has its own bar
   double noise_px = 0;        ///< of a centroid's raw coordinate
+  /// What the camera files are off by; every calibration has its own, and refines them.
+  IntrinsicSigmas lens = {0, 0, 0};
 };
 
 /// Where a bar is.
@@ -61,6 +64,8 @@ class SeedDraw {
   /// 45 degrees from upright.
   BarPose TurnedAboutTip(const MiddleFrame& frame, const base::Target& target,
                          const Eigen::Vector3d& tip_m_m);
+  /// A camera file that is off by as much as its prior says.
+  optics::CameraModel Mistaken(const optics::CameraModel& truth, const IntrinsicPrior& prior);
   /// Pixels with noise.
   BarPixels Noisy(const BarPixels& pixels, double noise_px);
 
@@ -68,8 +73,8 @@ class SeedDraw {
   sim::Random random_;
 };
 
-/// What a detection would hand on of these pixels: centroids undistorted by the simulator's lens, with their
-/// covariance.
+/// What a detection would hand on of these pixels: centroids undistorted for the cameras of `rig` by code of
+/// the simulator's, with their covariance.
 StereoBar StereoBarOf(const optics::Rig& rig, const BarPixels& pixels, double noise_px);
 void FillBlobs(const optics::Rig& rig, const BarPixels& pixels, double noise_px,
                std::array<detect::BlobSet, 2>& blobs);

@@ -7,6 +7,7 @@
 #include "host/failure.h"
 #include "host/seed_suite.h"
 #include "host/underground.h"
+#include "host/watch_suite.h"
 
 namespace adit::host {
 namespace {
@@ -17,7 +18,7 @@ struct Suite {
 };
 
 constexpr std::array kSuites{Suite{"seed", RunSeed}, Suite{"underground", RunUnderground},
-                             Suite{"calibration", RunCalibrationSuite}};
+                             Suite{"calibration", RunCalibrationSuite}, Suite{"watch", RunWatch}};
 
 }  // namespace
 

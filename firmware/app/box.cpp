@@ -104,6 +104,9 @@ base::Result<std::unique_ptr<CalibrationWatch>> MakeWatch(const config::BoxConfi
   options.rate_hz = config.cameras.rate_hz;
   options.learn_s = static_cast<int>(config.watch.learn_s);
   options.shift_sigma_m = config.watch.shift_mm * 1e-3;
+  const std::vector<double>& lights_m = config.watch.lights_m;
+  for (std::size_t i = 0; i + 2 < lights_m.size(); i += 3)
+    options.lights_b_m.emplace_back(lights_m[i], lights_m[i + 1], lights_m[i + 2]);
   const watch::MotionMatrix believed =
       *covariance ? watch::MotionMatrix((*covariance)->topLeftCorner<6, 6>()) : CoarseCovariance(rig);
   return std::make_unique<CalibrationWatch>(rig, targets, options, believed);
@@ -152,7 +155,7 @@ base::Result<std::unique_ptr<Box>> Box::Make(const config::BoxConfig& config) {
 }
 
 Box::Box(const config::BoxConfig& config, const optics::Rig& rig, pipeline::Pipeline pipeline)
-    : config_(config), pipeline_(std::move(pipeline)) {
+    : config_(config), calibration_id_(rig.calibration_id), pipeline_(std::move(pipeline)) {
   board::CameraOrder left = OrderOf(config, base::Side::kLeft, rig.left);
   board::CameraOrder right = OrderOf(config, base::Side::kRight, rig.right);
   left.replay_epoch_ns = right.replay_epoch_ns = clock_.Now() + kReplayDelayNs;
@@ -270,6 +273,7 @@ Status Box::TakeStatus() {
     publisher_->SetModbusClients(status.modbus_clients);
   }
   status.publish = publisher_->Health();
+  status.calibration_id = calibration_id_;
   if (watch_) status.finding = watch_->Latest();
   status.bus = publisher_->BusHealth();
   status.latency = &latency_;

@@ -56,6 +56,7 @@ class Box {
   };
 
   config::BoxConfig config_;
+  std::string calibration_id_;
   board::SystemClock clock_;
   PublisherOptions publisher_options_;
   LatencyTable latency_;

@@ -6,6 +6,7 @@
 
 #include "firmware/base/latest.h"
 #include "firmware/base/target.h"
+#include "firmware/publish/health_report.h"
 #include "firmware/watch/watch.h"
 
 namespace adit::app {
@@ -31,6 +32,9 @@ class CalibrationWatch {
 /// One line of `key=value` words: `watch verdict=holds tracked_s=412 ...`; angles in microradians, pitch,
 /// yaw, roll.
 std::string FormatFinding(const watch::Finding& finding);
+
+/// The same for the health report.
+publish::CalibrationHealth HealthOf(const watch::Finding& finding, const std::string& calibration_id);
 
 /// What the operator is told when a calibration does not hold: the turn, and the command that applies it.
 std::string FormatAdvice(const watch::Finding& finding, const std::string& rig_path);

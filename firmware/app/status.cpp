@@ -113,6 +113,7 @@ publish::HealthReport ReportOf(const Status& status, base::TimeNs now_ns, const 
   report.counters.push_back({"can_frames", status.bus.sent_frames});
   report.counters.push_back({"can_dropped_epochs", status.bus.dropped_epochs});
   report.counters.push_back({"modbus_clients", status.modbus_clients});
+  if (status.finding) report.calibration = HealthOf(*status.finding, status.calibration_id);
   for (std::size_t span = 0; span < kSpans; ++span)
     report.latency.push_back(RowOf(span, status.latency->At(span)));
   return report;

@@ -19,6 +19,7 @@ struct Status {
   LaneHealth left, right;
   PairHealth pairs;
   PublishHealth publish;
+  std::string calibration_id;             ///< of the rig in use
   std::optional<watch::Finding> finding;  ///< of the watch over the calibration, if there is one
   hal::FieldBusHealth bus;
   std::uint32_t modbus_clients = 0;

@@ -167,6 +167,11 @@ void CheckTogether(const BoxConfig& config, YamlReader& in) {
       in.Refuse("publish.site_origin_m", "must be whole metres");
     }
   }
+  const std::size_t lights = config.watch.lights_m.size();
+  if (lights % 3 != 0 || lights == 3 || lights == 6) {
+    in.Refuse("watch.lights_m", "holds " + std::to_string(lights) +
+                                    " numbers; it needs three for each light, and three lights or none");
+  }
 }
 
 }  // namespace

@@ -81,6 +81,7 @@ struct WatchConfig {
   bool enabled = true;
   long learn_s = 300;
   double shift_mm = 0.03;
+  std::vector<double> lights_m;  ///< x, y, z in the rig frame, light after light
 };
 
 /// Everything a box needs to know. Paths are as written, relative to the configuration's folder; Resolve

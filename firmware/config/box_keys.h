@@ -104,6 +104,8 @@ void DescribeBox(BoxConfig& c, Visitor& v) {
           {"s", "tracking of each target after the start that later traffic is compared with"});
   v.Number("shift_mm", c.watch.shift_mm, {0.001, 10},
            {"mm", "1 sigma by which the cameras may move against each other with no harm"});
+  v.Numbers("lights_m", c.watch.lights_m, 0, {-1000, 1000},
+            {"m", "fixed LEDs, three or more: x, y, z in the rig frame of one after the other; empty: none"});
   v.Leave();
   v.Enter("realtime");
   v.Whole("priority", c.realtime.priority, {0, 99}, {"", "SCHED_FIFO priority; 0: ordinary scheduling"});

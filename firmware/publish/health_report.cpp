@@ -1,5 +1,6 @@
 #include "firmware/publish/health_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -29,6 +30,36 @@ LatencyRow ReadRow(base::YamlReader& in) {
   return row;
 }
 
+CalibrationHealth ReadCalibration(base::YamlReader in) {
+  constexpr base::Range kAngle{-1e6, 1e6};
+  CalibrationHealth calibration;
+  calibration.calibration_id = in.Text("id");
+  calibration.verdict = in.Choice("verdict", {"learning", "holds", "changed"});
+  calibration.tracked_s = in.Number("tracked_s", kNotNegative);
+  const auto angles = [&in](const char* key, std::array<double, 3>& urad) {
+    const std::vector<double> read = in.Numbers(key, urad.size(), kAngle);
+    if (read.size() == urad.size()) std::copy(read.begin(), read.end(), urad.begin());
+  };
+  angles("turn_urad", calibration.turn_urad);
+  angles("sigma_urad", calibration.sigma_urad);
+  return calibration;
+}
+
+std::string FormatCalibration(const CalibrationHealth& calibration) {
+  std::ostringstream text;
+  const auto angles = [](const std::array<double, 3>& urad) {
+    std::ostringstream list;
+    list << std::fixed << std::setprecision(2) << "[" << urad[0] << ", " << urad[1] << ", " << urad[2] << "]";
+    return list.str();
+  };
+  text << std::fixed << std::setprecision(1)
+       << "calibration:\n  id: " << base::Quoted(calibration.calibration_id)
+       << "\n  verdict: " << calibration.verdict << "\n  tracked_s: " << calibration.tracked_s
+       << "\n  turn_urad: " << angles(calibration.turn_urad)
+       << "\n  sigma_urad: " << angles(calibration.sigma_urad) << "\n";
+  return text.str();
+}
+
 }  // namespace
 
 std::string FormatHealthReport(const HealthReport& report) {
@@ -48,6 +79,7 @@ std::string FormatHealthReport(const HealthReport& report) {
          << ", negative: " << row.negative << ", p50_us: " << row.p50_us << ", p99_us: " << row.p99_us
          << ", p999_us: " << row.p999_us << ", max_us: " << row.max_us << "}\n";
   }
+  if (report.calibration) text << FormatCalibration(*report.calibration);
   return text.str();
 }
 
@@ -63,6 +95,7 @@ base::Result<HealthReport> LoadHealthReport(const std::string& path) {
   base::YamlReader counters = in->Child("counters");
   for (const std::string& name : counters.Keys()) report.counters.push_back({name, Count(counters, name)});
   for (base::YamlReader& row : in->Items("latency")) report.latency.push_back(ReadRow(row));
+  if (in->Has("calibration")) report.calibration = ReadCalibration(in->Child("calibration"));
   if (auto done = in->Finish(); !done) return done.error();
   return report;
 }

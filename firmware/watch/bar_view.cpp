@@ -18,6 +18,9 @@ constexpr int kBarParameters = 5, kCoordinates = 4 * kLedCount;
 /// and 1 cm of the centre. Wide; it only keeps the normal matrix regular.
 constexpr double kWidestTurnRad = 3e-4, kWidestShiftM = 0.01;
 
+/// Less than this is not told from noise, and is as good as standing.
+constexpr double kLeastMovePx = 0.02;
+
 Vector3d LedPoint(const base::Target& target, const Vector3d& epicenter_b_m, const Vector3d& direction_b,
                   std::size_t led) {
   return epicenter_b_m + (target.leds_m[led] - target.epicenter_m) * direction_b;
@@ -65,13 +68,14 @@ bool BarView::Add(const stereo::Views& views, const base::Target& target, const 
   return true;
 }
 
-double BarView::MovedPx(const stereo::PointSet& set, const stereo::TargetPoints& points) const {
+double BarView::MoveTo(const stereo::PointSet& set, const stereo::TargetPoints& points) {
   const std::array<const detect::BlobSet*, 2> images{set.left->blob_set, set.right->blob_set};
   double moved_px = 0;
   for (std::size_t s = 0; s < 2; ++s) {
     const std::size_t index = points.blobs[s][0];
     if (pairs_ == 0 || index >= images[s]->blobs.size()) return 0;
-    moved_px = std::max(moved_px, (images[s]->blobs[index].ideal_px - start_px_[s]).norm());
+    last_px_[s] = images[s]->blobs[index].ideal_px;
+    moved_px = std::max(moved_px, (last_px_[s] - start_px_[s]).norm());
   }
   return moved_px;
 }
@@ -79,6 +83,10 @@ double BarView::MovedPx(const stereo::PointSet& set, const stereo::TargetPoints&
 std::optional<Information> BarView::Read(const stereo::Views& views, const base::Target& target,
                                          double bias_px, double chi_square_max) const {
   if (pairs_ == 0) return std::nullopt;
+  // The image in which a coordinate moved less decides.
+  const Vector2d moved_px =
+      (last_px_[0] - start_px_[0]).cwiseAbs().cwiseMin((last_px_[1] - start_px_[1]).cwiseAbs());
+  const Vector2d bias_px2 = bias_px * bias_px * moved_px.cwiseMax(kLeastMovePx).cwiseMin(1).cwiseInverse();
   Linearised all;
   Eigen::Matrix<double, 3, 2> tangent;
   tangent.col(0) = direction_b_.unitOrthogonal();
@@ -92,7 +100,8 @@ std::optional<Information> BarView::Read(const stereo::Views& views, const base:
       if (!views[s].Project(point_b_m, seen_px, slope)) return std::nullopt;
       // Of a mean of n: a sum of n covariances / n^2.
       const stereo::Observation mean{sums_[i][s].px / pairs_, sums_[i][s].covariance_px2 / (pairs_ * pairs_)};
-      const Eigen::Matrix2d w = mean.Whitener(bias_px);
+      const stereo::Observation biased{mean.px, mean.covariance_px2 + Eigen::Matrix2d(bias_px2.asDiagonal())};
+      const Eigen::Matrix2d w = biased.Whitener(0);
       const Eigen::Matrix<double, 2, 3> by_point = w * slope;
       all.residuals.segment<2>(row) = w * mean.px;
       all.by_bar.block<2, 3>(row, 0) = by_point;

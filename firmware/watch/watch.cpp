@@ -33,15 +33,26 @@ MotionMatrix AsMotion(const optics::Rig& rig, const MotionMatrix& covariance) {
   return base::Congruence(map, covariance);
 }
 
+/// Variance of the residuals that the motion leaves, in units of what they state.
+double Spread(const Information& bars, const Motion& x) {
+  if (bars.redundancy < kRedundancyMin) return 1;
+  return (bars.chi_square - 2 * x.dot(bars.gradient) + x.dot(bars.normal * x)) / bars.redundancy;
+}
+
 }  // namespace
 
 Watch::Watch(const optics::Rig& rig, const std::vector<base::Target>& targets, const WatchOptions& options,
              const MotionMatrix& calibration_covariance)
-    : views_(stereo::MakeViews(rig)), targets_(targets), options_(options), lanes_(targets.size()) {
+    : views_(stereo::MakeViews(rig)),
+      targets_(targets),
+      options_(options),
+      lanes_(targets.size()),
+      lights_(views_, options.lights_b_m) {
   prior_covariance_ = AsMotion(rig, calibration_covariance);
   // A bar too long by a part looks like a baseline too short by it, and like a rig that has shifted since.
-  const double scale_m = kBarScale * rig.BaselineM();
-  prior_covariance_.diagonal().tail<3>().array() += scale_m * scale_m + std::pow(options.shift_sigma_m, 2);
+  const Vector3d scale_m = kBarScale * rig.T_r_l.Inverse().translation_m;
+  prior_covariance_.bottomRightCorner<3, 3>() += scale_m * scale_m.transpose();
+  prior_covariance_.diagonal().tail<3>().array() += std::pow(options.shift_sigma_m, 2);
   prior_covariance_.diagonal().head<3>().array() += std::pow(options.allowance_rad, 2);
   prior_ = base::InverseSymmetric(prior_covariance_);
   change_prior_.setZero();
@@ -54,7 +65,8 @@ Watch::Watch(const optics::Rig& rig, const std::vector<base::Target>& targets, c
 }
 
 void Watch::Add(const stereo::PointSet& set) {
-  bool any = false;
+  constexpr int kLights = 3;  // fewer tell nothing
+  bool any = lights_.Add(*set.left->blob_set, *set.right->blob_set) >= kLights;
   for (std::size_t i = 0; i < std::min(set.targets.size(), lanes_.size()); ++i) {
     const stereo::TargetPoints& points = set.targets[i];
     any = (points.status == stereo::FixStatus::kTracked && Look(i, set, points)) || any;
@@ -67,7 +79,7 @@ void Watch::Add(const stereo::PointSet& set) {
 
 bool Watch::Look(std::size_t target, const stereo::PointSet& set, const stereo::TargetPoints& points) {
   Lane& lane = lanes_[target];
-  if (lane.view.MovedPx(set, points) >= kPlacePx) {
+  if (lane.view.MoveTo(set, points) >= kPlacePx) {
     Close(target, false);
   } else if (lane.view.Pairs() >= options_.rate_hz) {
     Close(target, true);
@@ -94,8 +106,10 @@ void Watch::Close(std::size_t target, bool stayed) {
 
 void Watch::EndSecond() {
   second_pairs_ = 0;
+  EndSecondOfLights();
   Test();
   slot_ = (slot_ + 1) % kWindowS;
+  lights_window_[slot_] = {};
   for (Lane& lane : lanes_) {
     if (finding_.verdict == Verdict::kChanged) {
       lane.learning = {};
@@ -104,6 +118,19 @@ void Watch::EndSecond() {
       Learn(lane);
     }
     lane.window[slot_] = {};
+  }
+}
+
+void Watch::EndSecondOfLights() {
+  const auto information = lights_.EndSecond(kWindowS, finding_.wrong);
+  if (information) lights_window_[slot_] = *information;
+  if (finding_.verdict == Verdict::kChanged) {
+    lights_.Forget();
+    lights_learned_s_ = 0;
+  } else if (++lights_learned_s_ == options_.learn_s) {
+    lights_.Learn(options_.learn_s);
+    lights_.Forget();
+    lights_learned_s_ = 0;
   }
 }
 
@@ -120,25 +147,28 @@ void Watch::Test() {
   // With A the normal matrices of the targets, x their references: the change d solves
   // (sum A + prior) d = sum (g - A x). The errors of the x come from the calibration's one error, the same in
   // all of them, and from the noise of each one's learning.
-  Information all;
+  Information lights, bars;
+  for (const Information& second : lights_window_) lights += second;
+  const bool lit = !lights.normal.isZero(0);
   MotionMatrix by_calibration = MotionMatrix::Zero(), noise = MotionMatrix::Zero();
   for (const Lane& lane : lanes_) {
+    // Beside lights that know of a microradian, a bar measured against the calibration only disturbs.
+    if (lit && !lane.reference.learned) continue;
     Information window;
     for (const Information& second : lane.window) window += second;
     const Motion& x = lane.reference.motion;
     const Motion predicted = window.normal * x;
     window.chi_square += x.dot(predicted) - 2 * x.dot(window.gradient);
     window.gradient -= predicted;
-    all += window;
+    bars += window;
     by_calibration += window.normal * lane.reference.by_prior;
     noise += window.normal * lane.reference.by_noise * window.normal;
   }
-  if (all.redundancy < kRedundancyMin) return;
-  const MotionMatrix gain = base::InverseSymmetric(MotionMatrix(all.normal + change_prior_));
-  const Motion change = gain * all.gradient;
-  const double spread = (all.chi_square - change.dot(all.gradient)) / all.redundancy;
-  noise = std::max(1.0, spread) * (noise + all.normal);
-  noise += change_prior_ + base::Congruence(by_calibration, prior_covariance_);
+  if (bars.redundancy < kRedundancyMin && !lit) return;
+  const MotionMatrix gain = base::InverseSymmetric(MotionMatrix(bars.normal + lights.normal + change_prior_));
+  const Motion change = gain * (bars.gradient + lights.gradient);
+  noise = std::max(1.0, Spread(bars, change)) * (noise + bars.normal);
+  noise += lights.normal + change_prior_ + base::Congruence(by_calibration, prior_covariance_);
   Matrix3d covariance = (gain * noise * gain).topLeftCorner<3, 3>();
   covariance.diagonal().array() += std::pow(options_.allowance_rad, 2);
   Judge(change.head<3>(), covariance);
@@ -165,7 +195,8 @@ void Watch::Judge(const Vector3d& turn_rad, const Matrix3d& covariance) {
   }
   if (finding_.verdict != Verdict::kLearning) return;
   const auto learned = [](const Lane& lane) { return lane.reference.learned; };
-  if (std::any_of(lanes_.begin(), lanes_.end(), learned)) finding_.verdict = Verdict::kHolds;
+  if (lights_.Learned() || std::any_of(lanes_.begin(), lanes_.end(), learned))
+    finding_.verdict = Verdict::kHolds;
 }
 
 }  // namespace adit::watch

@@ -11,22 +11,26 @@
 #include "firmware/stereo/view.h"
 #include "firmware/watch/bar_view.h"
 #include "firmware/watch/information.h"
+#include "firmware/watch/reference_lights.h"
 
 namespace adit::watch {
 
-/// "Seconds" are seconds of tracking: rate_hz pairs with at least one target measured in full.
+/// "Seconds" are seconds of tracking: rate_hz pairs with at least one target measured in full, or three fixed
+/// LEDs in view.
 struct WatchOptions {
   double rate_hz = 60;
   int learn_s = 300;  ///< what a target's reference is learned from; at least kWindowS
   /// What a centroid is off by at one place of the image and no covariance of noise holds: the phase bias of
-  /// the detection at a peak of 200 DN (rms). If it is more, the spread of the residuals tells.
-  double bias_px = 0.004;
+  /// the detection at a peak of 200 DN (rms), whose centroids scatter by up to 1.04 times the bound of 0.0084
+  /// px over all phases (tests/bench/centroid_table). If it is more, the spread of the residuals tells.
+  double bias_px = 0.0025;
   /// How far the cameras have parted or sunk since the reference, 1 sigma an axis: 9 m of steel over 0.3 K. A
   /// turn has to show beside such a shift; a shift of ten times this looks like a turn and is called,
   /// rightly.
   double shift_sigma_m = 3e-5;
   /// A turn of this much, 1 sigma an axis, is no change: lens and air.
   double allowance_rad = 0.5e-6;
+  std::vector<Eigen::Vector3d> lights_b_m;  ///< fixed LEDs, if there are any: rig frame, known to a few px
 };
 
 enum class Verdict : std::uint8_t {
@@ -65,6 +69,9 @@ struct Finding {
 /// a test, so less than once in 1000 hours of tracking. kChanged ends when all axes are below kClear sigmas
 /// with as much evidence as called it; references are not learned meanwhile.
 ///
+/// Fixed LEDs (WatchOptions::lights_b_m) add what they tell, with a reference of their own that is learned in
+/// the same time: with them a change is also found while nothing else is about.
+///
 /// The turn is that of the right camera relative to the left: a yaw or pitch of the left one shows as the
 /// opposite. No allocation after construction; one thread.
 class Watch {
@@ -78,7 +85,7 @@ class Watch {
   Watch(const optics::Rig& rig, const std::vector<base::Target>& targets, const WatchOptions& options,
         const MotionMatrix& calibration_covariance);
 
-  /// One pair. Only targets that were measured in full (kTracked) count.
+  /// One pair. Of its targets only those that were measured in full (kTracked) count.
   void Add(const stereo::PointSet& set);
 
   const Finding& Latest() const { return finding_; }
@@ -102,6 +109,7 @@ class Watch {
   bool Look(std::size_t target, const stereo::PointSet& set, const stereo::TargetPoints& points);
   void Close(std::size_t target, bool stayed);
   void EndSecond();
+  void EndSecondOfLights();
   void Test();
   void Judge(const Eigen::Vector3d& turn_rad, const Eigen::Matrix3d& covariance);
   void Learn(Lane& lane) const;
@@ -112,7 +120,10 @@ class Watch {
   MotionMatrix prior_covariance_, prior_;  ///< of the reference that is the calibration itself
   MotionMatrix change_prior_;              ///< information on the change: it turns freely, and hardly shifts
   std::vector<Lane> lanes_;
-  std::size_t slot_ = 0;  ///< of the present second
+  ReferenceLights lights_;
+  std::array<Information, kWindowS> lights_window_;
+  int lights_learned_s_ = 0;  ///< seconds that their reference has been learned from
+  std::size_t slot_ = 0;      ///< of the present second
   int second_pairs_ = 0;
   double alarm_sigma_rad_ = 0;  ///< of the yaw, when the alarm was called
   Finding finding_;

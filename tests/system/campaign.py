@@ -36,6 +36,7 @@ def suites(work):
     case = json.loads(figures.read_text())["cases"][0]
     expect(case["case"] == "lamps" and case["holds"] and case["figures"][0]["value"] == 0, "the JSON says the same")
     expect(first == run(*lamps).stdout, "the same seed gives the same figures")
+    ends(0, ["found within 30 s", "holds"], "evaluate", "--suite", "watch", "--case", "step", "--count", "1")
     ends(2, ["--suite", "'tunnel'", "underground"], "evaluate", "--suite", "tunnel")
     ends(2, ["--case", "'lmaps'", "swaps, lamps, mirror"], "evaluate", "--suite", "underground", "--case", "lmaps")
     ends(2, ["--track"], "evaluate")

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "host/evaluate_report.h"
+
 #include <CppUTest/TestHarness.h>
 
 namespace {
@@ -101,6 +103,18 @@ TEST(Comparison, DoesNotPairNeighbouringFrames) {
   const auto comparison = *Compare({late}, {True(0, 25)}, 4);
   LONGS_EQUAL(0, Of(comparison, 0, 1000).tracked);
   LONGS_EQUAL(1, comparison.false_positions);
+}
+
+TEST(Comparison, ATargetWithoutPositionsHasNoErrorsInsteadOfSmallOnes) {
+  const auto comparison = *Compare({Found(True(0, 25))}, {True(0, 25), True(0, 25, "missed")}, 4);
+  const Figures& missed = comparison.figures.back();
+  STRCMP_EQUAL("missed", missed.target.c_str());
+  CHECK(std::isnan(missed.rms_m) && std::isnan(missed.max_m) && std::isnan(missed.nees));
+  CHECK(std::isnan(missed.bias_m.x()) && std::isnan(missed.bar_mae_m) && std::isnan(missed.bar_xrms_m));
+  STRCMP_CONTAINS("0.00        -        -      -      -      -       -", FormatTable(comparison).c_str());
+  STRCMP_CONTAINS("\"rms_m\": null, \"max_m\": null", FormatJson(comparison).c_str());
+  const auto page = adit::host::MakeEvaluateReport(comparison, "track.csv", "truth.csv");
+  STRCMP_CONTAINS("missed: 1 of 1 times without a position", page.Html().c_str());
 }
 
 TEST(Comparison, DeclinesWhenThereIsNothingToCompare) {

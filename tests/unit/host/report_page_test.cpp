@@ -125,6 +125,9 @@ TEST(ReportPage, PutsTicksOnRoundNumbers) {
   LONGS_EQUAL(5, logarithmic.size());
   DOUBLES_EQUAL(5, logarithmic.front(), 1e-9);
   DOUBLES_EQUAL(100, logarithmic.back(), 1e-9);
+  const auto narrow = Ticks(1.3, 4.7, 6, true);  // within a decade: only 2 is among 1, 2, 5
+  LONGS_EQUAL(3, narrow.size());
+  DOUBLES_EQUAL(2, narrow.front(), 1e-9);
 }
 
 TEST(ReportPage, MagnifiesByRoundFactors) {

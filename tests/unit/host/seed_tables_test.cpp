@@ -13,7 +13,6 @@ namespace {
 using adit::host::BarPose;
 using adit::host::BoundAt;
 using adit::host::MiddleFrame;
-using adit::host::PoseCovariance;
 using adit::host::SeedCampaign;
 using adit::host::SeedCell;
 using adit::host::SeedDraw;
@@ -21,6 +20,7 @@ using adit::host::SeedSetup;
 using adit::host::SeedTable;
 using adit::host::TunnelRig;
 using adit::host::WandBound;
+using adit::optics::RigCovariance;
 using Eigen::Vector3d;
 
 const adit::base::Target kShort{"short", {0, 0.20, 0.47, 0.82}, 0.41, 0.04};
@@ -54,20 +54,20 @@ TEST(SeedTables, TheWandBoundIsWhatOthersComputed) {
   std::vector<BarPose> poses;
   for (std::size_t i = 0; i < setup.frames; ++i) poses.push_back(draw.Wave(rig, setup, 1));
 
-  const PoseCovariance bound = WandBound(rig, setup, poses);
+  const RigCovariance bound = WandBound(rig, setup, poses);
 
   DOUBLES_EQUAL(1.9e-6, std::sqrt(bound(0, 0)), 0.4e-6);
   DOUBLES_EQUAL(30e-6, std::sqrt(bound(1, 1)), 6e-6);
   DOUBLES_EQUAL(3.8e-6, std::sqrt(bound(2, 2)), 0.8e-6);
   const Vector3d t = rig.T_r_l.translation_m.normalized();
-  DOUBLES_EQUAL(0.74e-3, std::sqrt(t.dot(bound.bottomRightCorner<3, 3>() * t)), 0.15e-3);
+  DOUBLES_EQUAL(0.74e-3, std::sqrt(t.dot(bound.block<3, 3>(3, 3) * t)), 0.15e-3);
 }
 
 // By another computation a single LED has 1.17 mm of depth noise at 50 m and 0.01 px, a length 0.96 mm for
 // random directions and sqrt 2 of 0.0021 Z for one across the view; the middle of a rigid bar half of it.
 TEST(SeedTables, ThePlaceBoundIsWhatOthersComputed) {
   const auto rig = TunnelRig(9);
-  const auto bound = BoundAt(rig, PoseCovariance::Zero(), kLong, AtRest(rig, 50, 2), 0.01);
+  const auto bound = BoundAt(rig, RigCovariance::Zero(), kLong, AtRest(rig, 50, 2), 0.01);
   DOUBLES_EQUAL(0.5 * 1.17e-3, bound.sigma_m.z(), 0.06e-3);
   DOUBLES_EQUAL(std::sqrt(2) * 0.0021 * 50e-3, bound.bar_sigma_m, 0.01e-3);
   DOUBLES_EQUAL(0.5 * 0.0021 * 50e-3, bound.sigma_m.y(), 0.01e-3);
@@ -76,9 +76,9 @@ TEST(SeedTables, ThePlaceBoundIsWhatOthersComputed) {
 // A rig whose translation is 1e-4 too long makes every distance 1e-4 too long.
 TEST(SeedTables, AWrongScaleIsSeenInLengthAndDistance) {
   const auto rig = TunnelRig(9);
-  PoseCovariance scale = PoseCovariance::Zero();
+  RigCovariance scale = RigCovariance::Zero();
   const Vector3d t = rig.T_r_l.translation_m;
-  scale.bottomRightCorner<3, 3>() = 1e-8 * t * t.transpose();
+  scale.block<3, 3>(3, 3) = 1e-8 * t * t.transpose();
   const auto bound = BoundAt(rig, scale, kLong, AtRest(rig, 50, 2), 1e-6);
   DOUBLES_EQUAL(1e-4 * 1.5, bound.bar_bias_m, 1e-6);
   DOUBLES_EQUAL(0.5e-4 * 1.5, bound.half_bar_m, 1e-6);
@@ -106,7 +106,7 @@ TEST(SeedTables, CountAMovementAsSpread) {
   auto poses = AtRest(rig, 30, 100);
   for (std::size_t i = 0; i < poses.size(); ++i)
     poses[i].led1_b_m += (i % 2 == 0 ? 1e-3 : -1e-3) * MiddleFrame(rig).R_b_m.col(1);
-  const auto bound = BoundAt(rig, PoseCovariance::Zero(), kLong, poses, 1e-5);
+  const auto bound = BoundAt(rig, RigCovariance::Zero(), kLong, poses, 1e-5);
   DOUBLES_EQUAL(1e-3, bound.sigma_m.y(), 1e-5);
 }
 

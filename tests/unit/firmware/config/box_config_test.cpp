@@ -83,6 +83,10 @@ TEST(BoxConfig, NamesFileKeyValueAndWhatIsAllowed) {
   CheckNames(Complaint(std::string(kGood) + "publish: {can: {driver: candump}}\n"), {"publish.can", "log"});
   CheckNames(Complaint(std::string(kGood) + "publish: {site_origin_m: [1.5, 0, 0]}\n"),
              {"site_origin_m", "whole"});
+  CheckNames(Complaint(std::string(kGood) + "watch: {lights_m: [1, 2, 30, 4]}\n"),
+             {"watch.lights_m", "4 numbers"});
+  CheckNames(Complaint(std::string(kGood) + "watch: {lights_m: [1, 2, 30, 4, 5, 60]}\n"),
+             {"watch.lights_m", "three lights"});
   CheckNames(Complaint("rig: [\n"), {kPath, "not YAML"});
   CheckNames(Complaint("rig: r\nmodels: [a]\ncameras: {left: {device: x}, right: {device: x}}\n"),
              {"x", "both"});

@@ -53,6 +53,22 @@ TEST(HealthReport, ReadsBackAsItWasWritten) {
   DOUBLES_EQUAL(310.5, read->latency[0].p50_us, 0.05);
   DOUBLES_EQUAL(1200.25, read->latency[0].p999_us, 0.05);
   DOUBLES_EQUAL(4000, read->latency[0].max_us, 0.05);
+  CHECK(!read->calibration);
+}
+
+TEST(HealthReport, CarriesWhatTheWatchFound) {
+  HealthReport report = Example();
+  report.calibration = {"9a\"b", "changed", 512.25, {0.5, -12.34, 3}, {0.25, 1.5, 0.75}};
+  Write(FormatHealthReport(report));
+  const auto read = LoadHealthReport(kPath);
+  CHECK(read && read->calibration);
+  STRCMP_EQUAL("9a\"b", read->calibration->calibration_id.c_str());
+  STRCMP_EQUAL("changed", read->calibration->verdict.c_str());
+  DOUBLES_EQUAL(512.25, read->calibration->tracked_s, 0.051);
+  for (std::size_t i = 0; i < 3; ++i) {
+    DOUBLES_EQUAL(report.calibration->turn_urad[i], read->calibration->turn_urad[i], 0.005);
+    DOUBLES_EQUAL(report.calibration->sigma_urad[i], read->calibration->sigma_urad[i], 0.005);
+  }
 }
 
 TEST(HealthReport, DeclinesWhatIsNoReportWithFileAndKey) {
@@ -69,4 +85,10 @@ TEST(HealthReport, DeclinesWhatIsNoReportWithFileAndKey) {
   const auto negative = LoadHealthReport(kPath);
   CHECK(!negative);
   STRCMP_CONTAINS("count", negative.error().Line().c_str());
+  HealthReport watched = Example();
+  watched.calibration = {"id", "perhaps", 1, {}, {}};
+  Write(FormatHealthReport(watched));
+  const auto unknown = LoadHealthReport(kPath);
+  CHECK(!unknown);
+  STRCMP_CONTAINS("calibration.verdict", unknown.error().Line().c_str());
 }

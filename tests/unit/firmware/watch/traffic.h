@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "firmware/stereo/locator.h"
@@ -18,6 +19,7 @@ struct TrafficOptions {
   double near_m = 20, far_m = 100;
   double leg_s = 30;  ///< from the near to the far end
   int bars = 2;
+  bool with_lights = false;  ///< four fixed LEDs on the walls
 };
 
 /// Locates the two bars of a loader that drives to and fro. Ideal pixels, own projection; the locator knows
@@ -43,6 +45,24 @@ class Traffic {
   void ShiftRight(const Eigen::Vector3d& shift_m) {
     real_.right.centre_m = calibrated_.right.centre_m + shift_m;
   }
+  /// From now on the whole rig is turned and has shifted against the tunnel by this.
+  void Sway(const Eigen::Vector3d& turn_rad, const Eigen::Vector3d& shift_m) {
+    sway_turn_ = Eigen::AngleAxisd(turn_rad.norm(), turn_rad.normalized()).toRotationMatrix();
+    sway_shift_m_ = shift_m;
+  }
+  /// What happens to one of the lights from now on.
+  struct Harm {
+    std::size_t light = 0;
+    Eigen::Vector3d moved_m = Eigen::Vector3d::Zero();  ///< someone knocked it
+    double brightness = 1, left_px = 0;                 ///< a plate before a part of it, seen from the left
+  };
+  void Do(const Harm& harm) { harm_ = harm; }
+  /// Where the lights are believed to be: 2 cm off.
+  std::vector<Eigen::Vector3d> BelievedLights() const {
+    auto lights = Lights();
+    for (Eigen::Vector3d& light : lights) light += Eigen::Vector3d(0.02, -0.01, 0.02);
+    return lights;
+  }
   /// From now on the bars are this much longer than the locator believes, each.
   void Stretch(double one, double two) { stretch_ = {one, two}; }
   /// The loader stands from now on.
@@ -54,6 +74,7 @@ class Traffic {
     scene_.Clear();
     left_.sightings.clear();
     for (int bar = 0; bar < options_.bars; ++bar) Show(bar);
+    if (options_.with_lights) ShowLights();
     left_.blob_set = &scene_.Blobs().left, right_.blob_set = &scene_.Blobs().right;
     locator_.Locate(left_, right_, points_);
     return points_;
@@ -77,10 +98,34 @@ class Traffic {
     for (std::size_t i = 0; i < base::kLedCount; ++i) {
       const Eigen::Vector3d led = middle + (1 + stretch_[index]) * (bar.Point(bar.target.leds_m[i]) - middle);
       sighting.blobs[i] = static_cast<std::uint16_t>(scene_.Blobs().left.blobs.size());
-      Add(real_.left.ProjectIdeal(led).value(), scene_.Blobs().left);
-      Add(real_.right.ProjectIdeal(led).value(), scene_.Blobs().right);
+      Shine(led);
     }
     left_.sightings.push_back(sighting);
+  }
+  std::vector<Eigen::Vector3d> Lights() const {
+    std::vector<Eigen::Vector3d> lights;
+    const std::vector<Eigen::Vector3d> offsets{{-2.5, -2, 0}, {4, -2.6, 0}, {-5, 3, 0}, {7, -4, 0}};
+    const std::vector<double> distances_m{35, 48, 70, 95};
+    for (std::size_t i = 0; i < offsets.size(); ++i)
+      lights.push_back(support::Ahead(calibrated_, distances_m[i]) + offsets[i]);
+    return lights;
+  }
+  void ShowLights() {
+    const auto lights = Lights();
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+      const bool harmed = harm_ && harm_->light == i;
+      Shine(lights[i] + (harmed ? harm_->moved_m : Eigen::Vector3d(Eigen::Vector3d::Zero())));
+      if (!harmed) continue;
+      detect::Blob& left = scene_.Blobs().left.blobs[scene_.Blobs().left.blobs.size() - 1];
+      left.ideal_px.x() += harm_->left_px;
+      left.flux_dn *= static_cast<float>(harm_->brightness);
+    }
+  }
+  /// A light at a point of the tunnel, in both images.
+  void Shine(const Eigen::Vector3d& point_m) {
+    const Eigen::Vector3d seen_m = sway_turn_ * point_m + sway_shift_m_;
+    Add(real_.left.ProjectIdeal(seen_m).value(), scene_.Blobs().left);
+    Add(real_.right.ProjectIdeal(seen_m).value(), scene_.Blobs().right);
   }
   void Add(const Eigen::Vector2d& px, detect::BlobSet& set) {
     detect::Blob blob;
@@ -101,6 +146,9 @@ class Traffic {
   identify::SightingSet left_, right_;
   stereo::PointSet points_;
   std::array<double, 2> stretch_{};
+  Eigen::Matrix3d sway_turn_ = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d sway_shift_m_ = Eigen::Vector3d::Zero();
+  std::optional<Harm> harm_;
   double time_s_ = 0;
   bool parked_ = false;
 };

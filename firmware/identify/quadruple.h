@@ -21,7 +21,7 @@ struct IdentifierOptions {
   double perspective_max = 0.35;
   /// What no covariance of pixel noise holds: phase bias of thresholded centroids (0.002 to 0.026 px), lens
   /// residue, smear. Twice the largest of them.
-  double centroid_floor_px = 0.05;
+  double centroid_floor_px = 0.01;
   double sigmas = 4;  ///< one true target in 4000 fails one of its four tests
 };
 

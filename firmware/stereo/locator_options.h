@@ -13,7 +13,7 @@ struct LocatorOptions {
   /// baseline to 0.1 % come on top.
   double scale = 0.005;
   /// What no covariance of pixel noise holds (identify::IdentifierOptions has the same).
-  double centroid_floor_px = 0.05;
+  double centroid_floor_px = 0.01;
   double sigmas = 4;
   /// Of the rigid fit, in standard deviations of a normal variable: a true target exceeds it once in 200 000
   /// (chi-square 45 with 11 degrees of freedom).

@@ -1,5 +1,6 @@
 #include "firmware/stereo/choice.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -71,6 +72,18 @@ bool IsMirrorImage(const Views& views, const Solution& real, const Solution& ima
   return fit.residual_m <= within_m;
 }
 
+/// Lets the covariance of `points` cover another place that as many LEDs speak for: one of them has merged
+/// with a lamp, and which one is not known.
+void Cover(const TargetPoints& other, TargetPoints& points) {
+  constexpr double kDiffers = 9;  // squared, in standard deviations: less is noise, and covered already
+  const Vector3d apart_m = other.epicenter_b_m - points.epicenter_b_m;
+  if (!(apart_m.dot(points.epicenter_covariance_m2.ldlt().solve(apart_m)) > kDiffers)) return;
+  const Vector3d turn = other.direction_b - points.direction_b;
+  points.epicenter_covariance_m2 += apart_m * apart_m.transpose();
+  points.direction_covariance += turn * turn.transpose();
+  points.epicenter_direction_covariance_m += apart_m * turn.transpose();
+}
+
 }  // namespace
 
 bool MayBeMirrorImage(const LocatorOptions& options, const Solution& place, const Solution& image) {
@@ -90,7 +103,10 @@ bool ShareABlob(const Solution& a, const Solution& b) {
 void Add(const LocatorOptions& options, const Solution& solution, Finding& finding) {
   for (Solution& known : finding.solutions) {
     if (!SamePlace(known, solution, options)) continue;
-    if (solution.cost < known.cost) known = solution;
+    const bool is_better = solution.cost < known.cost;
+    const Solution other = is_better ? known : solution;
+    if (is_better) known = solution;
+    if (other.seen >= known.seen && !known.complete) Cover(other.points, known.points);
     return;
   }
   if (!finding.solutions.push_back(solution)) finding.crowded = true;

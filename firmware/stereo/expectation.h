@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "firmware/identify/sighting_set.h"
+#include "firmware/stereo/point_set.h"
 
 namespace adit::stereo {
 
@@ -18,6 +18,7 @@ struct Expectation {
   Eigen::Vector3d direction_b = Eigen::Vector3d::UnitX();  ///< unit, LED 1 to LED 4
   /// Of (led1_b_m, direction_b), process noise up to the exposure included; the direction's part has rank 2.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  LedFlux flux_dn{};  ///< as last seen
 };
 
 /// By index of the target.

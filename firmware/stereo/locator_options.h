@@ -28,7 +28,7 @@ struct LocatorOptions {
   /// fewer than this of them in a pair.
   double chance_max = 1e-5;
   /// The same for two LEDs in the place where the target is expected: the lock is the better evidence.
-  double expected_chance_max = 1e-3;
+  double expected_chance_max = 1e-6;
 };
 
 }  // namespace adit::stereo

@@ -15,7 +15,7 @@ struct Locator::State {
   State(const optics::Rig& rig, const std::vector<base::Target>& all, const LocatorOptions& chosen_options)
       : targets(all),
         options(chosen_options),
-        views(MakeViews(rig)),
+        mirrors(rig, chosen_options),
         correspondence(rig, chosen_options),
         builder(rig, chosen_options),
         triple_bars(rig, all, chosen_options),
@@ -32,7 +32,7 @@ struct Locator::State {
 
   std::vector<base::Target> targets;
   LocatorOptions options;
-  Views views;
+  Mirrors mirrors;
   Correspondence correspondence;
   BarBuilder builder;
   TripleBars triple_bars;
@@ -159,7 +159,7 @@ void Locator::State::ChooseAll(const ExpectationSet& expectations) {
   for (std::size_t i = 0; i < targets.size(); ++i) {
     Solution place;
     if (expectations[i].known) place = ExpectedPlace(targets[i], expectations[i]);
-    chosen[i] = Choose(views, options, expectations[i].known ? &place : nullptr, findings[i]);
+    chosen[i] = Choose(options, expectations[i].known ? &place : nullptr, mirrors, findings[i]);
   }
   ResolveShared(options, chosen, findings);
 }
@@ -198,6 +198,7 @@ void Locator::Locate(const identify::SightingSet& left, const identify::Sighting
   }
   if (usable) {
     s.correspondence.SetRight(*right.blob_set);
+    s.mirrors.Set(out.stamp.mid_exposure_ns);
     s.builder.Set(*left.blob_set, *right.blob_set);
     for (const Sighting& sighting : left.sightings) s.TrySighting(sighting);
     s.SeekExpected(expectations);

@@ -18,6 +18,9 @@ struct LocatorOptions {
   /// Of the rigid fit, in standard deviations of a normal variable: a true target exceeds it once in 200 000
   /// (chi-square 45 with 11 degrees of freedom).
   double chi_square_sigmas = 4.4;
+  /// The same of two LEDs, and of three without a lock: a true one exceeds it once in 160, which loses a
+  /// pair.
+  double candidate_sigmas = 2.5;
   /// Two places of one target: the worse is dismissed if its chi-square is this much more (likelihood
   /// e^-12), else both are.
   double chi_square_margin = 25;

@@ -58,7 +58,7 @@ void TripleBars::Try(const Triple& triple, const BarBuilder& builder, const std:
   LossReason unused;
   const base::Target& target = targets_[triple.target];
   const auto bar = builder.Build(target, triple.blobs, unused);
-  if (!bar) return;
+  if (!bar || bar->chi_square > ChiSquareLimit(2 * bar->seen - 5, options_.candidate_sigmas)) return;
   Bar all{triple, builder.Completed(target, *bar, LedFlux{})};
   all.solution.points.target = triple.target;
   bars_.push_back(all);

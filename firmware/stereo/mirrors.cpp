@@ -43,7 +43,7 @@ double MirrorWithinM(const Solution& real, const Solution& image, const MirrorFi
 }
 
 /// Places farther from where a mirror showed are not said to be behind it.
-constexpr double kReachM = 40;
+constexpr double kReachM = 60;
 
 }  // namespace
 
@@ -88,7 +88,6 @@ void Mirrors::Remember(const Solution& real, const Solution& image) {
     const double aside_m = (fit.on_plane_m - plane.on_plane_m).norm();
     if ((plane.normal - fit.normal).norm() > kSameRad || aside_m > kReachM) continue;
     if (std::abs(plane.normal.dot(fit.on_plane_m - plane.on_plane_m)) > kSameM + kSameRad * aside_m) continue;
-    plane.pairs += plane.seen_ns != exposure_ns_ ? 1 : 0;
     constexpr double kMemory = 100;  // sightings; water rises and falls
     const double share = weight_m2 / (plane.weight_m2 + weight_m2);
     plane.normal = (plane.normal + share * (fit.normal - plane.normal)).normalized();
@@ -104,14 +103,13 @@ void Mirrors::Remember(const Solution& real, const Solution& image) {
     *oldest = planes_[planes_.size() - 1];
     planes_.Truncate(planes_.size() - 1);
   }
-  planes_.push_back({fit.normal, fit.on_plane_m, weight_m2, exposure_ns_, 1});
+  planes_.push_back({fit.normal, fit.on_plane_m, weight_m2, exposure_ns_});
 }
 
 bool Mirrors::IsBehind(const Solution& place) const {
   constexpr double kLevelRad = 0.003;  // how well a few pairs tell the normal
   constexpr double kDeepM = 0.05;
   return std::any_of(planes_.begin(), planes_.end(), [&](const Plane& plane) {
-    if (plane.pairs < 2) return false;
     const auto& leds_m = place.points.leds_b_m;
     return std::all_of(leds_m.begin(), leds_m.end(), [&](const Vector3d& led_m) {
       const double deep_m = plane.normal.dot(led_m - plane.on_plane_m);

@@ -32,8 +32,8 @@ class Mirrors {
   /// Takes the plane of a target and its reflection.
   void Remember(const Solution& real, const Solution& image);
 
-  /// Whether a place is behind a mirror that showed in at least two pairs, seen from the cameras, and not too
-  /// far from where it showed: puddles end.
+  /// Whether a place is behind a mirror, seen from the cameras, and its line of sight passes the plane not
+  /// too far from where it showed: puddles end.
   bool IsBehind(const Solution& place) const;
 
  private:
@@ -41,7 +41,6 @@ class Mirrors {
     Eigen::Vector3d normal, on_plane_m;  ///< unit, away from the cameras
     double weight_m2 = 0;                ///< the farther the reflection, the better it tells the plane
     base::TimeNs seen_ns = base::kNever;
-    int pairs = 0;
   };
   static constexpr std::size_t kMaxPlanes = 16;
 

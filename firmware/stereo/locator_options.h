@@ -31,7 +31,7 @@ struct LocatorOptions {
   /// fewer than this of them in a pair.
   double chance_max = 1e-5;
   /// The same for two LEDs in the place where the target is expected: the lock is the better evidence.
-  double expected_chance_max = 1e-6;
+  double expected_chance_max = 3e-6;
 };
 
 }  // namespace adit::stereo

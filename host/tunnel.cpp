@@ -35,9 +35,9 @@ sim::MotionPtr Between(const sim::Waypoint& from, const sim::Waypoint& to) {
 }  // namespace
 
 std::vector<base::Target> TunnelTargets() {
-  return {{"one", {0, 0.25, 0.65, 1.50}, 1.75, 0.04},
-          {"two", {0, 0.25, 0.80, 1.50}, 0.75, 0.04},
-          {"short", {0, 0.20, 0.47, 0.82}, 1.20, 0.04}};
+  return {{"one", {0, 0.50, 1.25, 1.50}, 1.75, 0.04},
+          {"two", {0, 0.65, 1.15, 1.50}, 0.75, 0.04},
+          {"short", {0, 0.27, 0.62, 0.82}, 1.20, 0.04}};
 }
 
 std::vector<identify::Model> ModelsOf(const std::vector<base::Target>& targets) {

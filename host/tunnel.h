@@ -11,8 +11,8 @@
 
 namespace adit::host {
 
-/// The bars that the campaigns carry: the seed's two of 1.5 m, and a short one with its epicenter at a tip
-/// 0.38 m beyond LED 4.
+/// The bars that the campaigns carry: two of 1.5 m, and a short one with its epicenter at a tip 0.38 m beyond
+/// LED 4. With any one LED hidden, and read from either end, the gaps of any two still differ by 7 cm.
 std::vector<base::Target> TunnelTargets();
 /// Models from geometry for the campaigns' cameras.
 std::vector<identify::Model> ModelsOf(const std::vector<base::Target>& targets);

@@ -19,9 +19,9 @@ struct IdentifierOptions {
   double focal_px = 0;
   /// Largest |Z4 - Z1| / Z1 of a bar: 1.5 m end-on at 4.3 m.
   double perspective_max = 0.35;
-  /// What no covariance of pixel noise holds: phase bias of thresholded centroids (0.002 to 0.026 px), lens
-  /// residue, smear. Twice the largest of them.
-  double centroid_floor_px = 0.05;
+  /// What no covariance of pixel noise holds: the lens' residue over the length of a bar, the last of the
+  /// phase bias. More, and an LED that has merged with a lamp passes for one that has not.
+  double centroid_floor_px = 0.01;
   double sigmas = 4;  ///< one true target in 4000 fails one of its four tests
 };
 

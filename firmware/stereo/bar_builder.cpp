@@ -17,7 +17,8 @@ void BarBuilder::Set(const detect::BlobSet& left, const detect::BlobSet& right) 
 std::optional<Solution> BarBuilder::Build(const base::Target& target, const BarBlobs& blobs,
                                           LossReason& reason) const {
   BarObservations observations;
-  double flux_dn = 0, count = 0;
+  LedFlux flux_dn{};
+  double left_flux_dn = 0, count = 0;
   for (std::size_t i = 0; i < kLedCount; ++i) {
     for (std::size_t side = 0; side < 2; ++side) {
       const std::uint16_t index = blobs[side][i];
@@ -27,12 +28,14 @@ std::optional<Solution> BarBuilder::Build(const base::Target& target, const BarB
       }
       const detect::Blob& blob = blobs_[side]->blobs[index];
       observations[i][side] = ObservationOf(blob);
-      if (side == 0) flux_dn += static_cast<double>(blob.flux_dn), ++count;
+      flux_dn[side][i] = blob.flux_dn;
+      if (side == 0) left_flux_dn += static_cast<double>(blob.flux_dn), ++count;
     }
   }
   auto solution = solver_.Solve(target, observations, reason);
   if (!solution) return std::nullopt;
-  solution->flux_dn = flux_dn / count;
+  solution->flux_dn = left_flux_dn / count;
+  solution->points.flux_dn = flux_dn;
   solution->points.blobs = blobs;
   return solution;
 }
@@ -70,7 +73,8 @@ std::uint16_t BarBuilder::NearestTo(const base::Target& target, const Solution& 
   return nearest;
 }
 
-Solution BarBuilder::Completed(const base::Target& target, const Solution& solution) const {
+Solution BarBuilder::Completed(const base::Target& target, const Solution& solution,
+                               const LedFlux& known) const {
   Solution best = solution;
   for (std::size_t led = 0; led < kLedCount; ++led) {
     for (std::size_t side = 0; side < 2; ++side) {
@@ -84,6 +88,7 @@ Solution BarBuilder::Completed(const base::Target& target, const Solution& solut
       // Two more coordinates may cost what two coordinates do, and no more.
       if (!more || more->chi_square > best.chi_square + ChiSquareLimit(2, options_.chi_square_sigmas))
         continue;
+      if (!SameBrightness(known, more->points.flux_dn)) continue;
       best = *more;
     }
   }

@@ -20,9 +20,9 @@ class BarBuilder {
   std::optional<Solution> Build(const base::Target& target, const BarBlobs& blobs, LossReason& reason) const;
 
   /// Adds to a solution, image by image, the blobs that stand where its hidden LEDs must be: the nearest
-  /// within the gate of the fit's covariance, if the fit bears it. What stands there and disagrees is
-  /// something else, and the LED counts as hidden.
-  Solution Completed(const base::Target& target, const Solution& solution) const;
+  /// within the gate of the fit's covariance, if the fit bears it and it is as bright as `known`. What stands
+  /// there and disagrees is something else, and the LED counts as hidden.
+  Solution Completed(const base::Target& target, const Solution& solution, const LedFlux& known) const;
 
  private:
   /// The blob nearest to where LED `led` must be in an image, or kNoBlob.

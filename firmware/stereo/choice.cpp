@@ -1,5 +1,6 @@
 #include "firmware/stereo/choice.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,14 +12,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-double SigmaM(const Solution& s) { return std::sqrt(s.points.epicenter_covariance_m2.trace()); }
-
-/// How far two places of a target may differ and still be one.
-double SameWithinM(const Solution& a, const Solution& b, const LocatorOptions& options) {
-  constexpr double kSameM = 0.010;  // a position 10 mm off harms nobody
-  return kSameM + options.sigmas * (SigmaM(a) + SigmaM(b));
-}
-
 bool SamePlace(const Solution& a, const Solution& b, const LocatorOptions& options) {
   const double within_m = SameWithinM(a, b, options);
   for (std::size_t i = 0; i < kLedCount; ++i) {
@@ -27,56 +20,19 @@ bool SamePlace(const Solution& a, const Solution& b, const LocatorOptions& optio
   return (a.points.epicenter_b_m - b.points.epicenter_b_m).norm() <= within_m;
 }
 
-/// The plane that mirrors one place of a target into another as well as a plane can.
-struct MirrorFit {
-  Vector3d normal = Vector3d::Zero();  ///< unit, from the first to the second
-  Vector3d on_plane_m = Vector3d::Zero();
-  double separation_m = 0;  ///< of the two places
-  double residual_m = 0;    ///< of the LED that fits worst
-};
-
-MirrorFit FitMirror(const Solution& real, const Solution& image) {
-  MirrorFit fit;
-  for (std::size_t i = 0; i < kLedCount; ++i) {
-    fit.normal += image.points.leds_b_m[i] - real.points.leds_b_m[i];
-    fit.on_plane_m += (image.points.leds_b_m[i] + real.points.leds_b_m[i]) / (2 * kLedCount);
-  }
-  fit.separation_m = fit.normal.norm() / kLedCount;
-  fit.normal.normalize();
-  for (std::size_t i = 0; i < kLedCount; ++i) {
-    const Vector3d& p = real.points.leds_b_m[i];
-    const Vector3d mirrored = p + 2 * fit.normal.dot(fit.on_plane_m - p) * fit.normal;
-    fit.residual_m = std::max(fit.residual_m, (mirrored - image.points.leds_b_m[i]).norm());
-  }
-  return fit;
-}
-
-double MirrorWithinM(const Solution& real, const Solution& image, const MirrorFit& fit,
-                     const LocatorOptions& options) {
-  constexpr double kWaviness = 0.01;  // of the separation: surfaces that still show an image are this flat
-  return SameWithinM(real, image, options) + kWaviness * fit.separation_m;
-}
-
-/// Whether `image` is `real` seen in a plane mirror: every LED moved along the plane's normal by twice its
-/// distance from the plane, real on the cameras' side, and no brighter.
-bool IsMirrorImage(const Views& views, const Solution& real, const Solution& image,
-                   const LocatorOptions& options) {
-  constexpr double kDimmer = 1.2;  // a mirror does not amplify; a fifth for angle and noise
-  const MirrorFit fit = FitMirror(real, image);
-  const double within_m = MirrorWithinM(real, image, fit, options);
-  if (!(fit.separation_m > 2 * within_m) || image.flux_dn > kDimmer * real.flux_dn) return false;
-  for (const View& view : views) {
-    if (fit.normal.dot(view.CentreM() - fit.on_plane_m) >= 0) return false;
-  }
-  return fit.residual_m <= within_m;
+/// Lets the covariance of `points` cover another place that as many LEDs speak for: one of them has merged
+/// with a lamp, and which one is not known.
+void Cover(const TargetPoints& other, TargetPoints& points) {
+  constexpr double kDiffers = 9;  // squared, in standard deviations: less is noise, and covered already
+  const Vector3d apart_m = other.epicenter_b_m - points.epicenter_b_m;
+  if (!(apart_m.dot(points.epicenter_covariance_m2.ldlt().solve(apart_m)) > kDiffers)) return;
+  const Vector3d turn = other.direction_b - points.direction_b;
+  points.epicenter_covariance_m2 += apart_m * apart_m.transpose();
+  points.direction_covariance += turn * turn.transpose();
+  points.epicenter_direction_covariance_m += apart_m * turn.transpose();
 }
 
 }  // namespace
-
-bool MayBeMirrorImage(const LocatorOptions& options, const Solution& place, const Solution& image) {
-  const MirrorFit fit = FitMirror(place, image);
-  return fit.residual_m <= MirrorWithinM(place, image, fit, options);
-}
 
 bool ShareABlob(const Solution& a, const Solution& b) {
   const auto shares = [](const BlobIndices& x, const BlobIndices& y) {
@@ -90,7 +46,10 @@ bool ShareABlob(const Solution& a, const Solution& b) {
 void Add(const LocatorOptions& options, const Solution& solution, Finding& finding) {
   for (Solution& known : finding.solutions) {
     if (!SamePlace(known, solution, options)) continue;
-    if (solution.cost < known.cost) known = solution;
+    const bool is_better = solution.cost < known.cost;
+    const Solution other = is_better ? known : solution;
+    if (is_better) known = solution;
+    if (other.seen >= known.seen && !known.complete) Cover(other.points, known.points);
     return;
   }
   if (!finding.solutions.push_back(solution)) finding.crowded = true;
@@ -105,7 +64,7 @@ bool Explains(const Solution& solution, const BarBlobs& blobs) {
   return true;
 }
 
-const Solution* Choose(const Views& views, const LocatorOptions& options, const Solution* expected,
+const Solution* Choose(const LocatorOptions& options, const Solution* expected, Mirrors& mirrors,
                        Finding& finding) {
   if (finding.solutions.empty() && !finding.crowded) return nullptr;
   finding.reason = LossReason::kAmbiguous;
@@ -114,9 +73,12 @@ const Solution* Choose(const Views& views, const LocatorOptions& options, const 
   std::sort(solutions.begin(), solutions.end(),
             [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
   const auto is_reflection = [&](const Solution& s) {
-    if (expected != nullptr && IsMirrorImage(views, *expected, s, options)) return true;
-    return std::any_of(solutions.begin(), solutions.end(),
-                       [&](const Solution& other) { return IsMirrorImage(views, other, s, options); });
+    if (mirrors.IsBehind(s) || (expected != nullptr && mirrors.IsImage(*expected, s))) return true;
+    return std::any_of(solutions.begin(), solutions.end(), [&](const Solution& other) {
+      const bool is_image = mirrors.IsImage(other, s);
+      if (is_image) mirrors.Remember(other, s);
+      return is_image;
+    });
   };
   const Solution* best = nullptr;
   for (const Solution& s : solutions) {

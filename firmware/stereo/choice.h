@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "firmware/base/fixed_vector.h"
+#include "firmware/stereo/mirrors.h"
 #include "firmware/stereo/solution.h"
 
 namespace adit::stereo {
@@ -27,14 +28,10 @@ bool Explains(const Solution& solution, const BarBlobs& blobs);
 ///
 /// A place and its mirror image in a plane count as the one on the cameras' side of the plane: the other is
 /// its reflection, in water or a wall. That holds too for the place where the target is `expected` (null:
-/// nowhere) but not seen. Of what remains, the best stands if its cost is smaller by
-/// `options.chi_square_margin`; otherwise none does (kAmbiguous).
-const Solution* Choose(const Views& views, const LocatorOptions& options, const Solution* expected,
+/// nowhere) but not seen, and for any place behind a mirror that is known. Of what remains, the best stands
+/// if its cost is smaller by `options.chi_square_margin`; otherwise none does (kAmbiguous).
+const Solution* Choose(const LocatorOptions& options, const Solution* expected, Mirrors& mirrors,
                        Finding& finding);
-
-/// Whether `image` can be the reflection of the target at `place` in any plane; places that may be one and
-/// the same can.
-bool MayBeMirrorImage(const LocatorOptions& options, const Solution& place, const Solution& image);
 
 /// Whether two solutions take one blob.
 bool ShareABlob(const Solution& a, const Solution& b);

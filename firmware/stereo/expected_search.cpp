@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace adit::stereo {
@@ -133,11 +134,15 @@ void ExpectedSearch::TryPairs(const base::Target& target, const Expectation& exp
       LossReason unused;
       const auto bar = builder.Build(target, blobs, unused);
       if (!bar || !IsExpected(target, expected, *bar)) continue;
-      Solution all = builder.Completed(target, *bar);
+      if (!SameBrightness(expected.flux_dn, bar->points.flux_dn)) continue;
+      Solution all = builder.Completed(target, *bar, expected.flux_dn);
       const bool bare = all.points.blobs == blobs;
+      const bool usual = all.chi_square <= ChiSquareLimit(2 * all.seen - 5, options_.candidate_sigmas);
+      if (!usual && std::popcount(all.points.recovered_mask) > 1) continue;
       if (bare && Chance() > options_.expected_chance_max) continue;
-      // That it was expected here outweighs what is hidden.
-      all.cost = all.chi_square;
+      // That it was expected here is worth an LED, hidden in both images: the better place of two here is the
+      // one that shows more LEDs.
+      all.cost -= 2 * options_.hidden_cost;
       Add(options_, all, finding);
     }
   }

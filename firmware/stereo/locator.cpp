@@ -15,7 +15,7 @@ struct Locator::State {
   State(const optics::Rig& rig, const std::vector<base::Target>& all, const LocatorOptions& chosen_options)
       : targets(all),
         options(chosen_options),
-        views(MakeViews(rig)),
+        mirrors(rig, chosen_options),
         correspondence(rig, chosen_options),
         builder(rig, chosen_options),
         triple_bars(rig, all, chosen_options),
@@ -28,11 +28,12 @@ struct Locator::State {
   void SeekExpected(const ExpectationSet& expectations);
   bool MayBeReflection(std::size_t target, const Expectation& expected) const;
   std::bitset<identify::kMaxTargets> Wanted(const ExpectationSet& expectations) const;
+  void DropReflections(const Solution& place, Finding& finding) const;
   void ChooseAll(const ExpectationSet& expectations);
 
   std::vector<base::Target> targets;
   LocatorOptions options;
-  Views views;
+  Mirrors mirrors;
   Correspondence correspondence;
   BarBuilder builder;
   TripleBars triple_bars;
@@ -155,11 +156,25 @@ std::bitset<identify::kMaxTargets> Locator::State::Wanted(const ExpectationSet& 
   return wanted;
 }
 
+/// Of a target that has just gone out of sight three LEDs may be what its reflection shows, and of three LEDs
+/// no mirror may be known.
+void Locator::State::DropReflections(const Solution& place, Finding& finding) const {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < finding.solutions.size(); ++i) {
+    const Solution& s = finding.solutions[i];
+    if (s.complete || !MayBeMirrorImage(options, place, s)) finding.solutions[kept++] = s;
+  }
+  if (kept == 0 && !finding.solutions.empty()) finding.reason = LossReason::kAmbiguous;
+  finding.solutions.Truncate(kept);
+}
+
 void Locator::State::ChooseAll(const ExpectationSet& expectations) {
   for (std::size_t i = 0; i < targets.size(); ++i) {
     Solution place;
-    if (expectations[i].known) place = ExpectedPlace(targets[i], expectations[i]);
-    chosen[i] = Choose(views, options, expectations[i].known ? &place : nullptr, findings[i]);
+    if (expectations[i].known || expectations[i].was_locked)
+      place = ExpectedPlace(targets[i], expectations[i]);
+    if (expectations[i].was_locked) DropReflections(place, findings[i]);
+    chosen[i] = Choose(options, expectations[i].known ? &place : nullptr, mirrors, findings[i]);
   }
   ResolveShared(options, chosen, findings);
 }
@@ -198,6 +213,7 @@ void Locator::Locate(const identify::SightingSet& left, const identify::Sighting
   }
   if (usable) {
     s.correspondence.SetRight(*right.blob_set);
+    s.mirrors.Set(out.stamp.mid_exposure_ns);
     s.builder.Set(*left.blob_set, *right.blob_set);
     for (const Sighting& sighting : left.sightings) s.TrySighting(sighting);
     s.SeekExpected(expectations);

@@ -13,11 +13,14 @@ struct LocatorOptions {
   /// baseline to 0.1 % come on top.
   double scale = 0.005;
   /// What no covariance of pixel noise holds (identify::IdentifierOptions has the same).
-  double centroid_floor_px = 0.05;
+  double centroid_floor_px = 0.01;
   double sigmas = 4;
   /// Of the rigid fit, in standard deviations of a normal variable: a true target exceeds it once in 200 000
   /// (chi-square 45 with 11 degrees of freedom).
   double chi_square_sigmas = 4.4;
+  /// The same of two LEDs, and of three without a lock: a true one exceeds it once in 160, which loses a
+  /// pair.
+  double candidate_sigmas = 2.5;
   /// Two places of one target: the worse is dismissed if its chi-square is this much more (likelihood
   /// e^-12), else both are.
   double chi_square_margin = 25;
@@ -28,7 +31,7 @@ struct LocatorOptions {
   /// fewer than this of them in a pair.
   double chance_max = 1e-5;
   /// The same for two LEDs in the place where the target is expected: the lock is the better evidence.
-  double expected_chance_max = 1e-3;
+  double expected_chance_max = 3e-6;
 };
 
 }  // namespace adit::stereo

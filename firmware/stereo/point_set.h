@@ -17,6 +17,14 @@ inline constexpr std::uint16_t kNoBlob = 0xFFFF;
 /// In the left image and in the right one.
 using BarBlobs = std::array<BlobIndices, 2>;
 
+/// Brightness of LED 1 to LED 4 in the left image and in the right one, sums of DN; 0 where none is known.
+using LedFlux = std::array<std::array<float, base::kLedCount>, 2>;
+
+/// Whether LEDs are as bright, one beside another, as they are known to be: within a quarter, after a common
+/// factor (exposure, distance). One that is not has merged with a lamp or is covered in part, and its
+/// centroid is not where the LED is.
+bool SameBrightness(const LedFlux& known, const LedFlux& seen);
+
 enum class FixStatus : std::uint8_t {
   kTracked,    ///< all four LEDs measured in both images
   kRecovered,  ///< one or two LEDs rebuilt from the others: hidden in one image or in both
@@ -56,6 +64,7 @@ struct TargetPoints {
   double reprojection_px = 0;       ///< rms over the rigid fit's image residuals
   std::uint8_t recovered_mask = 0;  ///< bit i: LED i+1 was rebuilt
   BarBlobs blobs{};                 ///< LED 1 to LED 4 in the left image's blobs and in the right one's
+  LedFlux flux_dn{};                ///< of these blobs
 };
 
 /// One entry for every target of the model list, in its order, found or lost.

@@ -96,7 +96,7 @@ std::optional<Solution> Solver::Solve(const base::Target& target, const BarObser
   solution.fit = *fit;
   const FitAllowance allowance{options_.centroid_floor_px, options_.epipolar_px / 2, options_.scale / 2};
   solution.chi_square = ChiSquare(views_, target, observations, *fit, allowance);
-  const int seen = SeenCount(observations);
+  const int seen = solution.seen = SeenCount(observations);
   if (!(solution.chi_square <= ChiSquareLimit(2 * seen - 5, options_.chi_square_sigmas))) return std::nullopt;
   solution.cost = solution.chi_square + options_.hidden_cost * (2 * kLedCount - seen);
   reason = LossReason::kNone;

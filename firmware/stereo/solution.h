@@ -19,6 +19,7 @@ struct Solution {
   double chi_square = 0;
   double cost = 0;       ///< chi-square and what is hidden: by this places are compared
   double flux_dn = 0;    ///< mean of the left blobs seen
+  int seen = 0;          ///< centroids
   bool complete = true;  ///< all four LEDs are seen in both images
 };
 

@@ -6,24 +6,13 @@ namespace adit::stereo {
 
 using base::kLedCount;
 
-namespace {
-
-/// Whether every one of the points is an LED of the bar.
-bool Holds(const Solution& bar, const NearMiss& near) {
-  const auto is_led = [&bar](const std::array<std::uint16_t, 2>& point) {
-    for (std::size_t i = 0; i < kLedCount; ++i) {
-      if (bar.points.blobs[0][i] == point[0] && bar.points.blobs[1][i] == point[1]) return true;
-    }
-    return false;
-  };
-  return std::all_of(near.blobs.begin(), near.blobs.end(), is_led);
-}
-
-}  // namespace
-
 TripleBars::TripleBars(const optics::Rig& rig, const std::vector<base::Target>& targets,
                        const LocatorOptions& options)
-    : targets_(targets), options_(options), cloud_(rig, options), search_(rig, targets, options) {}
+    : targets_(targets),
+      views_(MakeViews(rig)),
+      options_(options),
+      cloud_(rig, options),
+      search_(rig, targets, options) {}
 
 void TripleBars::Run(const std::bitset<identify::kMaxTargets>& wanted, const BarBuilder& builder,
                      const Correspondence& correspondence, std::vector<Finding>& findings) {
@@ -35,14 +24,12 @@ void TripleBars::Run(const std::bitset<identify::kMaxTargets>& wanted, const Bar
   bars_.clear();
   for (const Triple& triple : triples_.triples) Try(triple, builder, findings);
   if (bars_.empty()) return;
-  chance_ = triples_.chance;
-  for (const NearMiss& near : triples_.near) {
-    if (!IsExplained(near, findings)) chance_[near.target] += near.chance;
-  }
   for (const Bar& bar : bars_) {
     Finding& finding = findings[bar.triple.target];
     // All four LEDs in both images are as good as those that the left image showed first.
-    const bool believed = bar.solution.complete || ChanceOf(bar) <= options_.chance_max;
+    const bool believed =
+        bar.solution.complete ||
+        (triples_.chance[bar.triple.target] <= options_.chance_max && StandsInItsLine(bar, builder));
     if (bars_.Full() || !believed || IsContested(bar)) {
       // It came as far as any hypothesis can.
       if (finding.solutions.empty()) finding.reason = LossReason::kAmbiguous;
@@ -71,22 +58,70 @@ void TripleBars::Try(const Triple& triple, const BarBuilder& builder, const std:
   LossReason unused;
   const base::Target& target = targets_[triple.target];
   const auto bar = builder.Build(target, triple.blobs, unused);
-  if (!bar) return;
-  Bar all{triple, builder.Completed(target, *bar)};
+  if (!bar || bar->chi_square > ChiSquareLimit(2 * bar->seen - 5, options_.candidate_sigmas)) return;
+  Bar all{triple, builder.Completed(target, *bar, LedFlux{})};
   all.solution.points.target = triple.target;
   bars_.push_back(all);
 }
 
-double TripleBars::ChanceOf(const Bar& bar) const {
-  // Every further blob that stands where the fit puts an LED makes chance rarer: a thousand times in a
-  // picture of scattered lamps, ten times in a row of them.
-  constexpr double kRarer = 0.1;
-  double chance = chance_[bar.triple.target];
-  for (std::size_t side = 0; side < 2; ++side) {
-    for (std::size_t i = 0; i < kLedCount; ++i)
-      chance *= bar.solution.points.blobs[side][i] != bar.triple.blobs[side][i] ? kRarer : 1;
+/// Lights on the bar's line in space, up to a length beyond its ends, that are not its LEDs.
+int TripleBars::LightsInLine(const Bar& bar) const {
+  const base::Target& target = targets_[bar.triple.target];
+  const auto& fit = bar.solution.fit;
+  const auto& blobs = bar.solution.points.blobs;
+  int count = 0;
+  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+    const CloudPoint& c = cloud_[i];
+    const auto is_led = [&](std::size_t side) {
+      return std::find(blobs[side].begin(), blobs[side].end(), c.blobs[side]) != blobs[side].end();
+    };
+    if (is_led(0) || is_led(1)) continue;
+    // Where the line of sight of the left camera, at the rig's origin, passes the bar's line nearest.
+    const Eigen::Vector3d start_m = fit.PointM(target, 0), ray = c.point_b_m.normalized();
+    const Eigen::Vector3d across = fit.bar.direction_b - ray.dot(fit.bar.direction_b) * ray;
+    const double place_m = -across.dot(start_m) / across.squaredNorm();
+    if (!(place_m > -target.LengthM() && place_m < 2 * target.LengthM())) continue;
+    const double noise_px = options_.sigmas * 2 * c.noise_px;
+    bool on_line = true;
+    for (std::size_t side = 0; side < 2; ++side) {
+      Eigen::Vector2d px;
+      Eigen::Matrix<double, 2, 3> slope;
+      on_line = on_line && views_[side].Project(fit.PointM(target, place_m), px, slope) &&
+                (px - c.px[side]).norm() <= noise_px + (side == 1 ? 0.5 * options_.epipolar_px : 0);
+    }
+    count += on_line ? 1 : 0;
   }
-  return chance;
+  return count;
+}
+
+/// Whether no blob reaches to where the triple's fourth LED is in an image.
+bool TripleBars::IsDark(const Bar& bar, const BarBuilder& builder, std::size_t side) const {
+  constexpr double kBesidePx = 2;  // nearer two lights are one, or are not measured well
+  const base::Target& target = targets_[bar.triple.target];
+  const auto& taken = bar.triple.blobs[0];
+  const auto fourth =
+      static_cast<std::size_t>(std::find(taken.begin(), taken.end(), kNoBlob) - taken.begin());
+  Eigen::Vector2d px;
+  Eigen::Matrix<double, 2, 3> slope;
+  if (!views_[side].Project(bar.solution.fit.PointM(target, target.leds_m[fourth]), px, slope)) return true;
+  const auto reaches = [&px](const detect::Blob& blob) {
+    // The lens moves the blob's box as it moves its centroid.
+    const Eigen::Vector2d at = px + blob.raw_px - blob.ideal_px;
+    return at.x() >= blob.x_min_px - kBesidePx && at.x() <= blob.x_max_px + kBesidePx &&
+           at.y() >= blob.y_min_px - kBesidePx && at.y() <= blob.y_max_px + kBesidePx;
+  };
+  const auto& blobs = builder.Blobs(side).blobs;
+  return std::none_of(blobs.begin(), blobs.end(), reaches);
+}
+
+/// Alone on its line a triple needs no more: chance does not make it. With other lights on the line some
+/// three of them may stand as three LEDs do; then the fourth LED must be accounted for, by a light that hides
+/// it; and of many lights nothing is concluded.
+bool TripleBars::StandsInItsLine(const Bar& bar, const BarBuilder& builder) const {
+  constexpr int kMany = 4;  // seven lights are 35 triples, and each is 24 readings of three bars
+  const int others = LightsInLine(bar);
+  if (others == 0) return true;
+  return others < kMany && !IsDark(bar, builder, 0) && !IsDark(bar, builder, 1);
 }
 
 /// Another target may be seen in the same blobs, whether or not it is believed.
@@ -95,15 +130,6 @@ bool TripleBars::IsContested(const Bar& bar) const {
     return other.triple.target != bar.triple.target && ShareABlob(other.solution, bar.solution) &&
            other.solution.cost < bar.solution.cost + options_.chi_square_margin;
   });
-}
-
-/// Near misses of a bar's own LEDs, read the other way round or for another target, are no chance.
-bool TripleBars::IsExplained(const NearMiss& near, const std::vector<Finding>& findings) const {
-  const auto holds = [&near](const Solution& s) { return Holds(s, near); };
-  return std::any_of(bars_.begin(), bars_.end(), [&](const Bar& bar) { return holds(bar.solution); }) ||
-         std::any_of(findings.begin(), findings.end(), [&](const Finding& finding) {
-           return std::any_of(finding.solutions.begin(), finding.solutions.end(), holds);
-         });
 }
 
 }  // namespace adit::stereo

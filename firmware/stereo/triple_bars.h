@@ -12,8 +12,8 @@ namespace adit::stereo {
 
 /// Finds bars without a lock. Three points that stand right are strong evidence among scattered lamps and
 /// weak evidence where lamps stand in rows. So a bar counts only if fewer than `options.chance_max` like it
-/// are expected by chance in this very pair: from the density of its blobs, and from the near misses that no
-/// bar explains. One thread; no allocation after construction.
+/// are expected by chance from the density of the blobs, and, where other lights stand on its line, if
+/// something hides its fourth LED. One thread; no allocation after construction.
 class TripleBars {
  public:
   TripleBars(const optics::Rig& rig, const std::vector<base::Target>& targets, const LocatorOptions& options);
@@ -33,18 +33,19 @@ class TripleBars {
 
   void Claim(const std::vector<Finding>& findings);
   void Try(const Triple& triple, const BarBuilder& builder, const std::vector<Finding>& findings);
-  double ChanceOf(const Bar& bar) const;
+  int LightsInLine(const Bar& bar) const;
+  bool IsDark(const Bar& bar, const BarBuilder& builder, std::size_t side) const;
+  bool StandsInItsLine(const Bar& bar, const BarBuilder& builder) const;
   bool IsContested(const Bar& bar) const;
-  bool IsExplained(const NearMiss& near, const std::vector<Finding>& findings) const;
 
   std::vector<base::Target> targets_;
+  Views views_;
   LocatorOptions options_;
   BlobFlags claimed_;
   PointCloud cloud_;
   TripleSearch search_;
   TripleSet triples_;
   base::FixedVector<Bar, kMaxBars> bars_;
-  std::array<double, identify::kMaxTargets> chance_{};
 };
 
 }  // namespace adit::stereo

@@ -35,7 +35,6 @@ TripleSearch::TripleSearch(const optics::Rig& rig, const std::vector<base::Targe
 void TripleSearch::Run(const PointCloud& cloud, const std::bitset<identify::kMaxTargets>& wanted,
                        TripleSet& out) const {
   out.triples.clear();
-  out.near.clear();
   out.chance.fill(0);
   out.cut_short = cloud.Crowded();
   long budget = kBudget;
@@ -92,7 +91,6 @@ TripleSearch::Gates TripleSearch::GatesOf(const Outer& pair, std::size_t inner) 
   const auto& leds_m = targets_[pair.target].leds_m;
   const double gap_m = leds_m[pair.last] - leds_m[pair.first];
   const double r = (leds_m[inner] - leds_m[pair.first]) / gap_m;
-  const double beside_m = std::min(leds_m[inner] - leds_m[inner - 1], leds_m[inner + 1] - leds_m[inner]);
   Gates gates;
   for (std::size_t side = 0; side < 2; ++side) {
     const Vector2d step = pair.b->px[side] - pair.a->px[side];
@@ -105,8 +103,6 @@ TripleSearch::Gates TripleSearch::GatesOf(const Outer& pair, std::size_t inner) 
     gate.along = length_px > 0 ? Vector2d(step / length_px) : Vector2d(Vector2d::UnitX());
     gate.noise_px = std::max(pair.a->noise_px, pair.b->noise_px);
     gate.tight_px = options_.sigmas * gate.noise_px * std::sqrt(1 + w * w + (1 - w) * (1 - w));
-    constexpr double kWidePx = 20;
-    gate.wide_px = std::max(gate.tight_px, std::min(kWidePx, 0.5 * length_px * beside_m / gap_m));
   }
   return gates;
 }
@@ -122,35 +118,25 @@ double TripleSearch::ChanceOf(const PointCloud& cloud, const Gates& gates) const
 void TripleSearch::SeekInner(const PointCloud& cloud, const Outer& pair, std::size_t inner,
                              TripleSet& out) const {
   const Gates gates = GatesOf(pair, inner);
-  double chance = ChanceOf(cloud, gates);
-  // Where lamps stand in line with the bar, in both images, density says too little: what stands there next
-  // to the LED's place, no farther than where the bar's own LEDs are, is counted.
-  const double share = gates[0].tight_px / gates[0].wide_px * gates[1].tight_px / gates[1].wide_px;
+  out.chance[pair.target] += ChanceOf(cloud, gates);
   constexpr double kNoisiest = 4;  // a blob that much noisier than the outer two is no help
-  const double reach_px = std::max(gates[0].wide_px, kNoisiest * gates[0].tight_px);
+  const double reach_px = kNoisiest * gates[0].tight_px;
   for (std::size_t i = cloud.FirstFrom(gates[0].px.x() - reach_px);
        i < cloud.size() && cloud[i].px[0].x() <= gates[0].px.x() + reach_px; ++i) {
     const CloudPoint& c = cloud[i];
-    bool tight = true, wide = true;
+    bool tight = true;
     for (std::size_t side = 0; side < 2; ++side) {
       const Gate& gate = gates[side];
       const Vector2d offset = c.px[side] - gate.px;
       const double tight_px = gate.tight_px * std::clamp(c.noise_px / gate.noise_px, 1.0, kNoisiest);
       const double along_px = std::abs(gate.along.dot(offset));
       const double across_px = std::abs(gate.along.x() * offset.y() - gate.along.y() * offset.x());
-      wide = wide && across_px <= tight_px && along_px <= std::max(gate.wide_px, tight_px);
       tight = tight && across_px <= tight_px && along_px <= tight_px;
     }
     const auto is_other = [&c](const CloudPoint& end) {
       return c.blobs[0] != end.blobs[0] && c.blobs[1] != end.blobs[1];
     };
-    if (!wide || !is_other(*pair.a) || !is_other(*pair.b)) continue;
-    if (!tight) {
-      if (!out.near.push_back(
-              {static_cast<std::uint8_t>(pair.target), share, {pair.a->blobs, pair.b->blobs, c.blobs}}))
-        chance += share;
-      continue;
-    }
+    if (!tight || !is_other(*pair.a) || !is_other(*pair.b)) continue;
     Triple triple;
     triple.target = static_cast<std::uint8_t>(pair.target);
     for (std::size_t side = 0; side < 2; ++side) {
@@ -161,7 +147,6 @@ void TripleSearch::SeekInner(const PointCloud& cloud, const Outer& pair, std::si
     }
     if (!out.triples.push_back(triple)) out.cut_short = true;
   }
-  out.chance[pair.target] += chance;
 }
 
 }  // namespace adit::stereo

@@ -18,20 +18,11 @@ struct Triple {
   BarBlobs blobs{};
 };
 
-/// Two points that may be LEDs of a target and one beside the place of a third: next time it may stand there.
-struct NearMiss {
-  std::uint8_t target = 0;
-  double chance = 0;                                    ///< that it would stand in the LED's place
-  std::array<std::array<std::uint16_t, 2>, 3> blobs{};  ///< of the three points: left, right
-};
-
 /// What a search found.
 struct TripleSet {
-  static constexpr std::size_t kMaxTriples = 128, kMaxNear = 64;
+  static constexpr std::size_t kMaxTriples = 128;
   base::FixedVector<Triple, kMaxTriples> triples;
-  base::FixedVector<NearMiss, kMaxNear> near;
-  /// By target: how many triples chance makes of blobs as dense as these, expected in one pair; with the near
-  /// misses that found no room.
+  /// By target: how many triples chance makes of blobs as dense as these, expected in one pair.
   std::array<double, identify::kMaxTargets> chance{};
   bool cut_short = false;  ///< it reached its budget, or found more than fit: nothing may be concluded
 };
@@ -54,7 +45,6 @@ class TripleSearch {
   struct Gate {
     Eigen::Vector2d px, along;  ///< its place, and the unit direction of the bar there
     double noise_px = 0, tight_px = 0;
-    double wide_px = 0;  ///< along the bar: as far as what stands there is counted
   };
   using Gates = std::array<Gate, 2>;
 

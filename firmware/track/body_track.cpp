@@ -138,7 +138,8 @@ void BodyTrack::Expect(base::TimeNs exposure_ns, stereo::ExpectationSet& out) co
                                         led1.Moved(bar.length_m).covariance.topLeftCorner<3, 3>().trace());
     const double limit_m2 = known.known ? known.covariance.topLeftCorner<3, 3>().trace()
                                         : options_.motion.sigma_max_m * options_.motion.sigma_max_m;
-    if (variance_m2 <= limit_m2) known = {true, false, led1.point_b_m, led1.direction_b, led1.covariance};
+    if (variance_m2 <= limit_m2)
+      known = {true, false, false, led1.point_b_m, led1.direction_b, led1.covariance, known.flux_dn};
   }
 }
 

@@ -68,6 +68,7 @@ bool Tracker::Take(Trail& trail, base::TimeNs exposure_ns, const BarPlace& measu
     trail.rival.emplace(options_.motion, exposure_ns, measured);
     return false;
   }
+  if (!fits) trail.flux_ns = base::kNever;
   if (!fits && fits_rival) trail.filter = trail.rival;
   if (fits || fits_rival)
     trail.filter->Update(measured);
@@ -79,14 +80,33 @@ bool Tracker::Take(Trail& trail, base::TimeNs exposure_ns, const BarPlace& measu
   return true;
 }
 
+/// How bright the LEDs are, of a measurement that is believed.
+void Tracker::TakeFlux(Trail& trail, const TargetPoints& measured) const {
+  // A machine that turns shows its LEDs at other angles of their beams; in a second it turns by little.
+  constexpr base::DurationNs kOldNs = base::kNsPerS;
+  const bool whole = measured.status == FixStatus::kTracked;
+  const bool old = trail.flux_ns == base::kNever || (whole && trail.measured_ns - trail.flux_ns > kOldNs);
+  if (old) trail.flux_dn = {}, trail.flux_ns = trail.measured_ns;
+  // What is known stays: a lamp that comes nearer makes an LED brighter little by little.
+  for (std::size_t side = 0; side < 2; ++side) {
+    for (std::size_t i = 0; i < base::kLedCount; ++i) {
+      float& known_dn = trail.flux_dn[side][i];
+      if (!(known_dn > 0)) known_dn = measured.flux_dn[side][i];
+    }
+  }
+}
+
 /// The state's points: measured, filtered, predicted or lost.
 TargetPoints Tracker::Judge(Trail& trail, base::TimeNs exposure_ns, const TargetPoints& measured) const {
   Advance(trail, exposure_ns);
   TargetPoints judged = measured;
   const double to_epicenter_m = trail.epicenter_m - trail.centre_m;
-  if (judged.status != FixStatus::kLost &&
-      !Take(trail, exposure_ns, MeasuredPlace(measured).Moved(-to_epicenter_m)))
-    judged = Lost(measured, stereo::LossReason::kJump);
+  if (judged.status != FixStatus::kLost) {
+    const bool taken = Take(trail, exposure_ns, MeasuredPlace(measured).Moved(-to_epicenter_m));
+    if (taken) TakeFlux(trail, measured);
+    if (!taken || (measured.status == FixStatus::kRecovered && !trail.confirmed))
+      judged = Lost(measured, stereo::LossReason::kJump);
+  }
   if (!options_.filter) return judged;
   if (judged.status == FixStatus::kLost) {
     const auto bridge = LockedAt(trail, exposure_ns);
@@ -143,7 +163,8 @@ void Tracker::Expect(base::TimeNs exposure_ns, stereo::ExpectationSet& out) cons
     BarFilter filter = *trail.filter;
     filter.Advance(exposure_ns);
     const BarPlace led1 = filter.Place().Moved(-trail.centre_m);
-    out[i] = {locked, !locked, led1.point_b_m, led1.direction_b, led1.covariance};
+    out[i] = {locked,          !locked,      !locked && trail.confirmed, led1.point_b_m, led1.direction_b,
+              led1.covariance, trail.flux_dn};
   }
   for (const BodyTrack& body : bodies_) body.Expect(exposure_ns, out);
 }

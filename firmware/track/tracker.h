@@ -56,11 +56,14 @@ class Tracker {
     bool confirmed = false;                   ///< by a second measurement
     base::TimeNs measured_ns = base::kNever;  ///< last exposure that went into the filter
     std::optional<BarFilter> rival;           ///< of a measurement that did not fit
+    stereo::LedFlux flux_dn{};                ///< of the LEDs
+    base::TimeNs flux_ns = base::kNever;      ///< when that was last so
     base::TimeNs last_seen_ns = base::kNever;
   };
 
   void Advance(Trail& trail, base::TimeNs exposure_ns) const;
   bool Take(Trail& trail, base::TimeNs exposure_ns, const BarPlace& measured) const;
+  void TakeFlux(Trail& trail, const stereo::TargetPoints& measured) const;
   bool Fits(const std::optional<BarFilter>& filter, const BarPlace& measured) const;
   std::optional<BarFilter> LockedAt(const Trail& trail, base::TimeNs exposure_ns) const;
   stereo::TargetPoints Judge(Trail& trail, base::TimeNs exposure_ns,

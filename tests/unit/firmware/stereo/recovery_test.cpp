@@ -244,6 +244,39 @@ TEST(Recovery, AFollowedBarIsFoundInARowOfLampsWithThreeLeds) {
   CHECK(found >= 80);
 }
 
+TEST(Recovery, WhatStandsBehindAKnownMirrorIsNoTarget) {
+  const auto above = SyntheticBar::At(bar.target, AheadM(40) + Vector3d(0, 1, 0), {1, 0.2, 0.3});
+  auto below = above;
+  below.led1_b_m.y() = 4 - above.led1_b_m.y();
+  below.direction_b.y() *= -1;
+  CHECK(scene->AddBar(above, 0.02));
+  CHECK(scene->AddBar(below, 0.02));
+  for (std::size_t i = 4; i < 8; ++i) scene->Blobs().left.blobs[i].flux_dn *= 0.4F;
+  CHECK(ErrorSigmas(chain.Run(scene->Blobs()), above) < 6);
+  // The bar is hidden, its reflection is not; and nobody follows it.
+  scene->Clear();
+  CHECK(scene->AddBar(below, 0.02));
+  CHECK(chain.Run(scene->Blobs()).status == FixStatus::kLost);
+  // Elsewhere above the water it is found.
+  scene->Clear();
+  auto beside = above;
+  beside.led1_b_m.x() -= 1;
+  CHECK(scene->AddBar(beside, 0.02));
+  CHECK(chain.Run(scene->Blobs()).status == FixStatus::kTracked);
+}
+
+TEST(Recovery, AnLedBrighterThanItWasCountsAsHidden) {
+  CHECK(scene->AddBar(bar, 0.02));
+  Hide(scene->Blobs(), 3, kBoth);
+  chain.expectations[0] = Expect(bar, 0.03);
+  for (auto& side : chain.expectations[0].flux_dn) side.fill(scene->Blobs().left.blobs[0].flux_dn);
+  LONGS_EQUAL(1U << 3, chain.Run(scene->Blobs()).recovered_mask);
+  for (auto* set : {&scene->Blobs().left, &scene->Blobs().right}) set->blobs[0].flux_dn *= 1.5F;
+  const TargetPoints& p = chain.Run(scene->Blobs());
+  CHECK(p.status == FixStatus::kRecovered);
+  LONGS_EQUAL(1U << 3 | 1U, p.recovered_mask);
+}
+
 TEST(Recovery, TheReflectionOfAFollowedBarIsNotTheBarWhileItIsHidden) {
   const auto above = SyntheticBar::At(bar.target, AheadM(40) + Vector3d(0, 1, 0), {1, 0.2, 0.3});
   auto below = above;

@@ -23,7 +23,7 @@ PointSet PairAt(TimeNs mid_exposure_ns, FixStatus first, FixStatus second) {
     adit::stereo::TargetPoints p;
     p.target = static_cast<std::uint8_t>(points.targets.size());
     p.status = status;
-    if (status != FixStatus::kLost) p.epicenter_b_m = {1, 2, 30.0 + p.target};
+    if (status != FixStatus::kLost) p.epicenter_b_m = {1, 2, 30.0 + p.target}, p.direction_b = {1, 0, 0};
     points.targets.push_back(p);
   }
   return points;
@@ -49,12 +49,23 @@ TEST(Tracker, DatesEveryMeasurement) {
 
 TEST(Tracker, RemembersWhenATargetWasLastSeen) {
   tracker.Track(PairAt(1000, FixStatus::kTracked, FixStatus::kLost), states);
-  tracker.Track(PairAt(2000, FixStatus::kLost, FixStatus::kRecovered), states);
+  tracker.Track(PairAt(2000, FixStatus::kLost, FixStatus::kTracked), states);
   tracker.Track(PairAt(3000, FixStatus::kLost, FixStatus::kLost), states);
   CHECK(states.targets[0].last_seen_ns == 1000);
   CHECK(states.targets[1].last_seen_ns == 2000);
   CHECK(states.targets[0].mid_exposure_ns == 3000);
   CHECK(states.targets[0].points.status == FixStatus::kLost);
+}
+
+TEST(Tracker, ARecoveredPlaceIsToldWhenTheNextPairConfirmsIt) {
+  tracker.Track(PairAt(1000, FixStatus::kRecovered, FixStatus::kLost), states);
+  CHECK(states.targets[0].points.status == FixStatus::kLost);
+  CHECK(states.targets[0].points.reason == adit::stereo::LossReason::kJump);
+  CHECK(states.targets[0].points.epicenter_b_m.isZero());
+  CHECK(states.targets[0].last_seen_ns == kNever);
+  tracker.Track(PairAt(2000, FixStatus::kRecovered, FixStatus::kLost), states);
+  CHECK(states.targets[0].points.status == FixStatus::kRecovered);
+  CHECK(states.targets[0].last_seen_ns == 2000);
 }
 
 TEST(Tracker, HasNeverSeenWhatWasNeverFound) {

@@ -46,8 +46,9 @@ BoxState JudgeState(const Epoch& epoch, const BoxCondition& box, bool seen_befor
 Validity JudgeValidity(const georef::GeoFix& fix, const Epoch& epoch, const BoxCondition& box) {
   if (box.simulation) return Validity::kSimulated;
   // 2026-11-26: a recovered place is told, but no machine steers by it. Of 194 400 target-frames among lamps
-  // collinear with LEDs (the scenes of evaluate --suite underground, swaps) 31 were wrong: lamps taken for LEDs,
-  // and LEDs that had merged with a lamp. VALID once none is, and its sigmas hold as they do for four LEDs.
+  // collinear with LEDs (the scenes of evaluate --suite underground, swaps) 31 were wrong: lamps taken for
+  // LEDs, and LEDs that had merged with a lamp. VALID once none is, and its sigmas hold as they do for four
+  // LEDs.
   const bool whole = fix.state.points.status == stereo::FixStatus::kTracked;
   const bool sound = !box.service && (box.faults & kFaultsThatDegrade) == 0;
   return whole && epoch.sigma_ok && sound ? Validity::kValid : Validity::kDegraded;

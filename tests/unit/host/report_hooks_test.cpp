@@ -102,5 +102,5 @@ TEST(ReportHooks, GeorefShowsPointsAndRefusals) {
   STRCMP_CONTAINS("not used", page.Html().c_str());
   STRCMP_CONTAINS("\"sigma0\": ", page.Json().c_str());
   result.limits.rms_m = 1e-9;
-  STRCMP_CONTAINS("Refused: ", MakeGeorefPage(result, origin).Html().c_str());
+  STRCMP_CONTAINS("<b>refused: ", MakeGeorefPage(result, origin).Html().c_str());
 }

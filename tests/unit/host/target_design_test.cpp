@@ -60,14 +60,14 @@ TEST(TargetDesign, FindsNoDirectionInASymmetricBar) {
 
 TEST(TargetDesign, SaysUpToWhereTwoTargetsAreDistinct) {
   const auto far = DistinctUpToM(Bar(0.25, 0.65, 1.5), Bar(0.25, 0.80, 1.5), 5, 110, {});
-  const auto near = DistinctUpToM(Bar(0.25, 0.65, 1.5), Bar(0.25, 0.69, 1.5), 5, 110, {});
+  const auto near = DistinctUpToM(Bar(0.25, 0.65, 1.5), Bar(0.25, 0.67, 1.5), 5, 110, {});
   const auto never = DistinctUpToM(Bar(0.25, 0.65, 1.5), Bar(0.25, 0.6501, 1.5), 5, 110, {});
   DOUBLES_EQUAL(110, *far, 0);
   CHECK(near.has_value());
   CHECK_COMPARE(*near, >, 10);
   CHECK_COMPARE(*near, <, 109);
   CHECK_FALSE(never.has_value());
-  CHECK_COMPARE(SeparationSigmas(Bar(0.25, 0.65, 1.5), Bar(0.25, 0.69, 1.5), *near, {}), >=,
+  CHECK_COMPARE(SeparationSigmas(Bar(0.25, 0.65, 1.5), Bar(0.25, 0.67, 1.5), *near, {}), >=,
                 NeededSigmas(0.05));
 }
 

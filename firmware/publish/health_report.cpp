@@ -31,7 +31,7 @@ LatencyRow ReadRow(base::YamlReader& in) {
 }
 
 CalibrationHealth ReadCalibration(base::YamlReader in) {
-  constexpr base::Range kAngle{-1e6, 1e6};
+  static constexpr base::Range kAngle{-1e6, 1e6};
   CalibrationHealth calibration;
   calibration.calibration_id = in.Text("id");
   calibration.verdict = in.Choice("verdict", {"learning", "holds", "changed"});

@@ -87,7 +87,7 @@ Blocks Shared(const CalibrationDraw& draw, double turn_rad, adit::sim::Random& r
   const Vector3d axis(Gauss(random), Gauss(random), Gauss(random));
   pose << turn_rad * axis.normalized(), draw.rig.translation_m + 0.01 * axis;
   Blocks blocks{pose, Eigen::VectorXd(kIntrinsics), Eigen::VectorXd(kIntrinsics)};
-  for (std::size_t side : {1, 2}) {
+  for (const std::size_t side : {std::size_t{1}, std::size_t{2}}) {
     for (double& z : blocks[side]) z = Gauss(random);
   }
   return blocks;

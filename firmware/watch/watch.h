@@ -65,9 +65,10 @@ struct Finding {
 /// of `kWindowS` seconds of residuals after the reference gives, by weighted least squares with the bars'
 /// places projected out, the change with its covariance: noise (raised to what the residuals show, if that is
 /// more), centroid bias, the reference's own uncertainty, the rig's shift. Once a second of tracking it is
-/// tested: an axis beyond kAlarm sigmas calls kChanged. Without a change that has the probability 3 * 6.7e-8
-/// a test, so less than once in 1000 hours of tracking. kChanged ends when all axes are below kClear sigmas
-/// with as much evidence as called it; references are not learned meanwhile.
+/// tested: an axis beyond kAlarm sigmas calls kChanged. Without a change, and if errors are what WatchOptions
+/// say, that has the probability 3 * 6.7e-8 a test; `adit evaluate --suite watch --case quiet` counts how
+/// often it comes. kChanged ends when all axes are below kClear sigmas with as much evidence as called it;
+/// references are not learned meanwhile.
 ///
 /// Fixed LEDs (WatchOptions::lights_b_m) add what they tell, with a reference of their own that is learned in
 /// the same time: with them a change is also found while nothing else is about.

@@ -37,7 +37,7 @@ void AddFound(FoundOf& sum, const FoundOf& part) { sum.frames += part.frames, su
 
 void TargetTally::Add(const TargetTally& other) {
   target_frames += other.target_frames, rendered += other.rendered;
-  swapped += other.swapped;
+  swapped += other.swapped, swapped_tracked += other.swapped_tracked;
   wrong_rendered += other.wrong_rendered;
   off_tracked += other.off_tracked, off_recovered += other.off_recovered,
       off_predicted += other.off_predicted;
@@ -80,6 +80,7 @@ void TargetCounter::CountOne(std::uint64_t trigger, const stereo::TargetPoints& 
   if (episode_.GetImaging() == Imaging::kRendered) ++tally_.rendered;
   if (judgement.outcome == Outcome::kSwapped) {
     ++tally_.swapped;
+    if (reported.status == stereo::FixStatus::kTracked) ++tally_.swapped_tracked;
     Note(trigger, "wrong name", reported, own, judgement);
   } else if (judgement.outcome == Outcome::kOff) {
     switch (reported.status) {

@@ -22,9 +22,9 @@ struct FoundOf {
 /// Counts of target-frames. Addable, so that pieces can be counted apart.
 struct TargetTally {
   std::size_t target_frames = 0, rendered = 0;
-  std::size_t swapped = 0;
-  std::size_t off_tracked = 0;    ///< reported as tracked
-  std::size_t off_recovered = 0;  ///< with rebuilt LEDs
+  std::size_t swapped = 0, swapped_tracked = 0;  ///< of any status; of them those told as tracked
+  std::size_t off_tracked = 0;                   ///< reported as tracked
+  std::size_t off_recovered = 0;                 ///< with rebuilt LEDs
   std::size_t off_predicted = 0;
   std::size_t wrong_rendered = 0;  ///< of all these, in rendered images
   /// By the number of LEDs that both cameras can measure: unoccluded and 2 px clear of anything else.

@@ -75,6 +75,7 @@ std::size_t PiecesFor(std::size_t target_frames) {
 
 void ReportWrong(const TargetTally& sum, SuiteReport& report) {
   report.AtMost("swapped names", static_cast<double>(sum.swapped), 0, "", 0);
+  report.AtMost("of them told as tracked", static_cast<double>(sum.swapped_tracked), 0, "", 0);
   report.AtMost("tracked, off by more than 5 sigma + 10 mm", static_cast<double>(sum.off_tracked), 0, "", 0);
   report.Inform("recovered, off by more", static_cast<double>(sum.off_recovered), "", 0);
   report.Inform("predicted, off by more", static_cast<double>(sum.off_predicted), "", 0);

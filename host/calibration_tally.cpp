@@ -5,22 +5,13 @@
 #include <cmath>
 #include <vector>
 
+#include "host/confidence.h"
+
 namespace adit::host {
 namespace {
 
 /// rms error over bound that a calibration may have.
 constexpr double kRatioMax = 1.2;
-
-/// How a normalised sum of squares of `freedom` chi-square terms may lie, 95 % (Wilson-Hilferty).
-struct ChiSquareBounds {
-  double low, high;
-
-  explicit ChiSquareBounds(double freedom) {
-    const double part = 2 / (9 * freedom);
-    low = std::pow(1 - part - 1.96 * std::sqrt(part), 3);
-    high = std::pow(1 - part + 1.96 * std::sqrt(part), 3);
-  }
-};
 
 }  // namespace
 
@@ -61,7 +52,7 @@ void Honesty::Add(const Eigen::VectorXd& error, const Eigen::MatrixXd& stated) {
 }
 
 void Honesty::Report(const std::string& what, SuiteReport& report) const {
-  const ChiSquareBounds bounds(freedom_);
+  const NormalisedErrorLimits bounds(freedom_);
   report.AtLeast(what + ": normalised error^2", squares_ / freedom_, bounds.low);
   report.AtMost(what + ": normalised error^2", squares_ / freedom_, bounds.high);
 }

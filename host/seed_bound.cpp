@@ -6,6 +6,7 @@
 #include "drivers/sim/projection.h"
 #include "firmware/base/require.h"
 #include "host/calibration_bound.h"
+#include "host/rig_uncertainty.h"
 
 namespace adit::host {
 namespace {
@@ -35,17 +36,6 @@ struct BarSlopes {
   Eigen::Matrix<double, 3, 2> tangent;
   double centre_m = 0;  ///< place of the LEDs' mean along the bar
 };
-
-optics::Rig Moved(const optics::Rig& rig, const RigVector& step) {
-  optics::Rig moved = rig;
-  const Vector3d turn = step.head<3>();
-  if (turn.norm() > 0)
-    moved.T_r_l.rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * rig.T_r_l.rotation;
-  moved.T_r_l.translation_m += step.segment<3>(3);
-  moved.left = CameraOf(Intrinsics(rig.left) + step.segment<kIntrinsics>(6), rig.left);
-  moved.right = CameraOf(Intrinsics(rig.right) + step.tail<kIntrinsics>(), rig.right);
-  return moved;
-}
 
 /// Left u, v, right u, v.
 Eigen::Vector4d Pixels(const optics::Rig& rig, const Vector3d& point_l_m) {

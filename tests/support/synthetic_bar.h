@@ -51,6 +51,13 @@ struct SyntheticBar {
   /// The bar with its middle at `middle_m`.
   static SyntheticBar At(const base::Target& target, const Eigen::Vector3d& middle_m,
                          const Eigen::Vector3d& direction);
+  /// Its image in a water surface at `water_y_m`; y points down.
+  SyntheticBar MirroredAt(double water_y_m) const {
+    SyntheticBar image = *this;
+    image.led1_b_m.y() = 2 * water_y_m - led1_b_m.y();
+    image.direction_b.y() *= -1;
+    return image;
+  }
 };
 
 /// The seed's two targets, 1.5 m long, and a 0.82 m one whose tip lies beyond LED 4.

@@ -182,9 +182,7 @@ TEST(Locator, ReportsNeitherOfTwoEqualBars) {
 TEST(Locator, ReportsTheBarAndNotItsReflectionInWater) {
   // Water two metres below the camera; y points down.
   const auto above = SyntheticBar::At(bar.target, AheadM(40) + Vector3d(0, 1, 0), {1, 0.2, 0.3});
-  auto below = above;
-  below.led1_b_m.y() = 4 - above.led1_b_m.y();
-  below.direction_b.y() *= -1;
+  const auto below = above.MirroredAt(2);
   CHECK(scene->AddBar(above, 0.02));
   CHECK(scene->AddBar(below, 0.02));
   for (std::size_t i = 4; i < 8; ++i) scene->Blobs().left.blobs[i].flux_dn *= 0.4F;

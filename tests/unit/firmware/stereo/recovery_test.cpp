@@ -145,9 +145,7 @@ TEST(Recovery, DoesNotBelieveThreeLightsInARowOfLamps) {
 TEST(Recovery, ReportsABarOfThreeLedsAndNotItsWholeReflectionInWater) {
   // Water two metres below the camera; y points down.
   const auto above = SyntheticBar::At(bar.target, AheadM(40) + Vector3d(0, 1, 0), {1, 0.2, 0.3});
-  auto below = above;
-  below.led1_b_m.y() = 4 - above.led1_b_m.y();
-  below.direction_b.y() *= -1;
+  const auto below = above.MirroredAt(2);
   for (const unsigned images : {kLeft, kRight, kBoth}) {
     for (std::size_t led = 0; led < 8; ++led) {
       scene->Clear();
@@ -246,9 +244,7 @@ TEST(Recovery, AFollowedBarIsFoundInARowOfLampsWithThreeLeds) {
 
 TEST(Recovery, WhatStandsBehindAKnownMirrorIsNoTarget) {
   const auto above = SyntheticBar::At(bar.target, AheadM(40) + Vector3d(0, 1, 0), {1, 0.2, 0.3});
-  auto below = above;
-  below.led1_b_m.y() = 4 - above.led1_b_m.y();
-  below.direction_b.y() *= -1;
+  const auto below = above.MirroredAt(2);
   CHECK(scene->AddBar(above, 0.02));
   CHECK(scene->AddBar(below, 0.02));
   for (std::size_t i = 4; i < 8; ++i) scene->Blobs().left.blobs[i].flux_dn *= 0.4F;
@@ -279,9 +275,7 @@ TEST(Recovery, AnLedBrighterThanItWasCountsAsHidden) {
 
 TEST(Recovery, TheReflectionOfAFollowedBarIsNotTheBarWhileItIsHidden) {
   const auto above = SyntheticBar::At(bar.target, AheadM(40) + Vector3d(0, 1, 0), {1, 0.2, 0.3});
-  auto below = above;
-  below.led1_b_m.y() = 4 - above.led1_b_m.y();
-  below.direction_b.y() *= -1;
+  const auto below = above.MirroredAt(2);
   CHECK(scene->AddBar(below, 0.02));
   CHECK(chain.Run(scene->Blobs()).status == FixStatus::kTracked);
   chain.expectations[0] = Expect(above, 0.02);

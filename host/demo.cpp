@@ -16,8 +16,8 @@
 namespace adit::host {
 namespace {
 
-constexpr base::DurationNs kLookNs = 100 * base::kNsPerMs;  // ten pictures a second are smooth enough
-constexpr base::DurationNs kPlainNs = 2 * base::kNsPerS;    // between the lines in a pipe
+constexpr base::DurationNs kPictureNs = 100 * base::kNsPerMs;  // ten pictures a second are smooth enough
+constexpr base::DurationNs kPlainNs = 2 * base::kNsPerS;       // between the lines in a pipe
 constexpr double kSecondsMin = 3, kSecondsMax = 86400;
 
 double SecondsSince(std::int64_t start_ns) {
@@ -44,7 +44,7 @@ int RunDemo(const DemoOptions& options, linux::StopSignals& signals) {
   const std::int64_t start_ns = linux::MonotonicNs();
   std::int64_t next_line_ns = start_ns + kPlainNs;
   if (terminal) std::cout << "\033[2J";
-  while (SecondsSince(start_ns) < options.seconds && !signals.WaitFor(kLookNs)) {
+  while (SecondsSince(start_ns) < options.seconds && !signals.WaitFor(kPictureNs)) {
     if (auto poll = (*stage)->Poll(); !poll) return Fail("demo", poll.error());
     ReadModbus(**stage, run);
     if (terminal) {

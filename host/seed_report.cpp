@@ -13,7 +13,7 @@ namespace {
 int DecimalsOf(double value) { return value < 1 ? 3 : value < 100 ? 2 : 1; }
 ReportCell FigureCell(double value) { return ReportNumber(value, DecimalsOf(std::abs(value))); }
 
-std::string Judgement(const SeedTable& table) {
+std::string HowItStands(const SeedTable& table) {
   std::size_t limited = 0, held = 0;
   for (const SeedRow& row : table.rows) {
     for (const SeedCell& cell : row.cells)
@@ -113,7 +113,7 @@ std::string FormatSeedTable(const SeedTable& table) {
     }
     text << "\n";
   }
-  text << "  " << Judgement(table) << "\n";
+  text << "  " << HowItStands(table) << "\n";
   return text.str();
 }
 
@@ -128,7 +128,7 @@ ReportPage MakeSeedReport(const std::vector<SeedTable>& tables, const SeedOrder&
   for (const SeedTable& table : tables) {
     page.Section("Table " + table.number + ": " + table.caption);
     page.Paragraph(table.how);
-    page.Paragraph(Judgement(table));
+    page.Paragraph(HowItStands(table));
     page.Add(TableOf(table));
     for (Plot& plot : PlotsOf(table)) page.Add(std::move(plot));
   }

@@ -11,7 +11,6 @@ namespace {
 constexpr base::DurationNs kAgeStepNs = 4 * base::kNsPerMs;
 constexpr std::uint8_t kAgeUnknown = 63;
 constexpr unsigned kCounterStepMax = 3;
-constexpr double kStepM = 1e-4;  // 0.1 mm
 
 }  // namespace
 

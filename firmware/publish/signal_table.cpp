@@ -10,7 +10,6 @@
 namespace adit::publish {
 namespace {
 
-constexpr double kStepM = 1e-4;  // 0.1 mm
 constexpr double kStepDeg = 1e-4;
 
 using Record = BoxRecord;

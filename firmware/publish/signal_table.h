@@ -11,6 +11,8 @@
 
 namespace adit::publish {
 
+inline constexpr double kStepM = 1e-4;  ///< of positions on the wire: 0.1 mm
+
 enum class WireType : std::uint8_t { kU16, kI16, kU32, kI32, kF32, kF64 };
 
 /// Registers that a type takes.

@@ -39,6 +39,8 @@ SyntheticRig ToedInRig(double base_m = 9, double converge_m = 35);
 
 /// In the rig frame, `distance_m` straight ahead of the middle between the cameras of `rig`.
 Eigen::Vector3d Ahead(const SyntheticRig& rig, double distance_m);
+/// The same for `ToedInRig()`.
+inline Eigen::Vector3d AheadM(double distance_m) { return Ahead(ToedInRig(), distance_m); }
 
 /// A bar somewhere in the rig frame.
 struct SyntheticBar {

@@ -24,12 +24,12 @@ CalibrationDraw ExactDraw(std::size_t bars, std::uint64_t seed) {
   return adit::host::Draw(plan, seed);
 }
 
-BundleSetting SettingOf(const CalibrationDraw& draw) {
+BundleSetting ExactSettingOf(const CalibrationDraw& draw) {
   return {draw.input.left, draw.input.right, {}, {}, draw.input.targets, 0, 1};
 }
 
 HoldOut TestAll(const CalibrationDraw& draw, const adit::optics::Rig& rig) {
-  return TestHoldOut(SettingOf(draw), rig, RigCovariance::Zero(), draw.input.bars);
+  return TestHoldOut(ExactSettingOf(draw), rig, RigCovariance::Zero(), draw.input.bars);
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ TEST(HoldOut, PlacesABarWhereItIs) {
       draw.input.bars[k].left[i].raw_px = seen[i].head<2>();
       draw.input.bars[k].right[i].raw_px = seen[i].tail<2>();
     }
-    const auto fitted = FitBar(SettingOf(draw), draw.rig.AsRig(), draw.input.bars[k]);
+    const auto fitted = FitBar(ExactSettingOf(draw), draw.rig.AsRig(), draw.input.bars[k]);
     CHECK(fitted.has_value());
     const Eigen::Vector3d centre_m = draw.bars[k].led1_m + (0.25 + 0.53 + 0.82) / 4 * draw.bars[k].direction;
     DOUBLES_EQUAL(0, (fitted->place.centre_l_m - centre_m).norm(), 1e-6);

@@ -23,18 +23,18 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 const Vector2d kPlacePx(1300.3, 80.7);
-constexpr double kNoisePx = 0.03;
+constexpr double kLightNoisePx = 0.03;
 
-adit::optics::CameraModel Camera() { return adit::host::MakeTrueRig(9, 35).AsRig().left; }
+adit::optics::CameraModel RestingCamera() { return adit::host::MakeTrueRig(9, 35).AsRig().left; }
 
 Blob BlobAt(const Vector2d& raw_px) {
   Blob blob;
   blob.raw_px = raw_px;
-  blob.covariance_px2 = kNoisePx * kNoisePx * Eigen::Matrix2d::Identity();
+  blob.covariance_px2 = kLightNoisePx * kLightNoisePx * Eigen::Matrix2d::Identity();
   return blob;
 }
 
-Vector2d Noise(adit::sim::Random& random) { return kNoisePx * Vector2d(Gauss(random), Gauss(random)); }
+Vector2d Noise(adit::sim::Random& random) { return kLightNoisePx * Vector2d(Gauss(random), Gauss(random)); }
 
 /// An LED of `rig` as both cameras measured it over many frames.
 std::pair<LedView, LedView> AtRest(const CalibrationDraw& draw, const Vector3d& place_m,
@@ -118,12 +118,12 @@ TEST_GROUP(RestLights) {
 
 TEST(RestLights, OneThatStaysIsFoundAtItsMean) {
   for (int i = 0; i < 100; ++i) Add({kPlacePx + Noise(random_), {20.0 + 8 * i, 500}});
-  const auto lights = finder_.Lights(Camera());
+  const auto lights = finder_.Lights(RestingCamera());
   LONGS_EQUAL(1, lights.size());
-  const double sigma_px = std::sqrt(kNoisePx * kNoisePx / 100 + 0.01 * 0.01);
-  DOUBLES_EQUAL(0, (lights[0].raw_px - kPlacePx).norm(), 3 * kNoisePx / 10);
+  const double sigma_px = std::sqrt(kLightNoisePx * kLightNoisePx / 100 + 0.01 * 0.01);
+  DOUBLES_EQUAL(0, (lights[0].raw_px - kPlacePx).norm(), 3 * kLightNoisePx / 10);
   DOUBLES_EQUAL(sigma_px, std::sqrt(lights[0].covariance_px2(0, 0)), 0.2 * sigma_px);
-  DOUBLES_EQUAL(0, (lights[0].ideal_px - *Camera().Undistort(lights[0].raw_px)).norm(), 1e-9);
+  DOUBLES_EQUAL(0, (lights[0].ideal_px - *RestingCamera().Undistort(lights[0].raw_px)).norm(), 1e-9);
 }
 
 TEST(RestLights, WhatWandersOrIsSeldomSeenIsNone) {
@@ -132,14 +132,14 @@ TEST(RestLights, WhatWandersOrIsSeldomSeenIsNone) {
          Vector2d(300, 300) + (i % 5 == 0 ? 0.0 : 1.0) * Vector2d(3.0 * i, 0),
          Vector2d(700, 600) + 0.2 * Vector2d(Gauss(random_), Gauss(random_))});
   }
-  LONGS_EQUAL(0, finder_.Lights(Camera()).size());
+  LONGS_EQUAL(0, finder_.Lights(RestingCamera()).size());
 }
 
 TEST(RestLights, AFewFramesAreNotEnough) {
   for (int i = 0; i < 19; ++i) Add({kPlacePx});
-  LONGS_EQUAL(0, finder_.Lights(Camera()).size());
+  LONGS_EQUAL(0, finder_.Lights(RestingCamera()).size());
   Add({kPlacePx});
-  LONGS_EQUAL(1, finder_.Lights(Camera()).size());
+  LONGS_EQUAL(1, finder_.Lights(RestingCamera()).size());
 }
 
 // A bar's LED that passes takes the light's place in the image for a while.
@@ -150,7 +150,7 @@ TEST(RestLights, ABarThatPassesMovesNoLight) {
     else
       Add({kPlacePx + Vector2d(i - 50.0, 0.6)});
   }
-  const auto lights = finder_.Lights(Camera());
+  const auto lights = finder_.Lights(RestingCamera());
   LONGS_EQUAL(1, lights.size());
   DOUBLES_EQUAL(0, (lights[0].raw_px - kPlacePx).norm(), 0.02);
 }

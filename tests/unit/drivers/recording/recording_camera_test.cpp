@@ -22,7 +22,7 @@ using adit::tests::ScratchFolder;
 
 namespace {
 
-constexpr int kWidthPx = 8, kHeightPx = 4;
+constexpr int kFrameWidthPx = 8, kFrameHeightPx = 4;
 constexpr TimeNs kFirstNs = 1'700'000'000'000'000'000, kPeriodNs = 20 * kNsPerMs;
 constexpr adit::base::DurationNs kShortNs = 1 * kNsPerMs, kLongNs = 2'000 * kNsPerMs;
 
@@ -42,11 +42,12 @@ struct Replayed {
     options.pace = Pace::kFast;
     auto writer = RecordingWriter::Create(options.folder, "", "");
     for (int i = 0; i < 5; ++i) {
-      const std::vector<std::uint8_t> pixels(kWidthPx * kHeightPx, static_cast<std::uint8_t>(i));
+      const std::vector<std::uint8_t> pixels(kFrameWidthPx * kFrameHeightPx, static_cast<std::uint8_t>(i));
       for (const Side side : {Side::kLeft, Side::kRight}) {
         if (i == 2 && side == Side::kLeft) continue;
-        CHECK_TRUE(static_cast<bool>(writer->Write(side, kFirstNs + i * kPeriodNs,
-                                                   {pixels.data(), kWidthPx, kHeightPx, kWidthPx, 8})));
+        CHECK_TRUE(static_cast<bool>(
+            writer->Write(side, kFirstNs + i * kPeriodNs,
+                          {pixels.data(), kFrameWidthPx, kFrameHeightPx, kFrameWidthPx, 8})));
       }
     }
     CHECK_TRUE(static_cast<bool>(writer->Finish()));
@@ -74,7 +75,7 @@ TEST(RecordingCamera, DeliversAllFramesInOrderWithTheirTimesAndTriggers) {
     LONGLONGS_EQUAL(kFirstNs + static_cast<TimeNs>(trigger) * kPeriodNs, frame.stamp.mid_exposure_ns);
     LONGS_EQUAL(42, frame.stamp.last_packet_ns);
     CHECK_TRUE(frame.stamp.status == FrameStatus::kOk);
-    LONGS_EQUAL(trigger, frame.image.Row(kHeightPx - 1)[kWidthPx - 1]);
+    LONGS_EQUAL(trigger, frame.image.Row(kFrameHeightPx - 1)[kFrameWidthPx - 1]);
     camera.Release(frame);
   }
   CameraFrame frame;
@@ -157,7 +158,7 @@ TEST(RecordingCamera, DeliversWhatCannotBeReadAsIncompleteAndGoesOn) {
   for (const FrameStatus status : expected) {
     CHECK_TRUE(camera.Wait(kLongNs, frame) == WaitOutcome::kFrame);
     CHECK_TRUE(frame.stamp.status == status);
-    LONGS_EQUAL(kWidthPx, frame.image.width_px);
+    LONGS_EQUAL(kFrameWidthPx, frame.image.width_px);
     camera.Release(frame);
   }
   LONGS_EQUAL(1, camera.Health().incomplete);
@@ -167,10 +168,10 @@ TEST(RecordingCamera, DeliversTwelveBitsAsTheDetectionTakesThem) {
   Replayed rig;
   rig.options.folder = rig.scratch / "twelve";
   auto writer = RecordingWriter::Create(rig.options.folder, "", "");
-  std::vector<std::uint16_t> pixels(kWidthPx * kHeightPx);
+  std::vector<std::uint16_t> pixels(kFrameWidthPx * kFrameHeightPx);
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint16_t>(4095 - 100 * i);
-  const adit::base::ImageView view{reinterpret_cast<const std::uint8_t*>(pixels.data()), kWidthPx, kHeightPx,
-                                   2 * kWidthPx, 12};
+  const adit::base::ImageView view{reinterpret_cast<const std::uint8_t*>(pixels.data()), kFrameWidthPx,
+                                   kFrameHeightPx, 2 * kFrameWidthPx, 12};
   for (const Side side : {Side::kLeft, Side::kRight})
     CHECK_TRUE(static_cast<bool>(writer->Write(side, kFirstNs, view)));
   CHECK_TRUE(static_cast<bool>(writer->Finish()));

@@ -20,7 +20,7 @@ namespace {
 const std::string kRow =
     "1700000000000500000,3,bar,0.1,0.2,20,1,0,0,0.1,0.2,20,0.3,0.2,20,0.6,0.2,20,1.1,0.2,20,4\n";
 
-std::string With(const std::string& from, const std::string& to) {
+std::string Replaced(const std::string& from, const std::string& to) {
   std::string row = kRow;
   return row.replace(row.find(from), from.size(), to);
 }
@@ -65,19 +65,19 @@ TEST(TruthFile, ReadsCrLfAndNoRowsAtAll) {
 
 TEST(TruthFile, RefusesWithFileAndLine) {
   const std::pair<std::string, const char*> cases[] = {
-      {With(",4\n", "\n"), "truth.csv:2: has 21 cells; it must have 22"},
-      {With(",4\n", ",4,5\n"), "truth.csv:2: has 23 cells"},
-      {With(",4\n", ",5\n"), "truth.csv:2: has 5 visible LEDs"},
-      {With(",4\n", ",-1\n"), "truth.csv:2: has -1 visible LEDs"},
-      {With(",4\n", ",4.0\n"), "truth.csv:2: has '4.0' in cell 22"},
-      {With("0.2,20,1,0,0", "nan,20,1,0,0"), "truth.csv:2: has 'nan' in cell 5"},
-      {With("0.2,20,1,0,0", ",20,1,0,0"), "truth.csv:2: has '' in cell 5"},
-      {With("20,1,0,0", "20,2,0,0"), "truth.csv:2: has a direction of length 2"},
-      {With(",bar,", ",,"), "truth.csv:2: names no target"},
-      {With("1700000000000500000", "1.7e18"), "truth.csv:2: has '1.7e18' in cell 1"},
-      {With("1700000000000500000", "99999999999999999999"),
+      {Replaced(",4\n", "\n"), "truth.csv:2: has 21 cells; it must have 22"},
+      {Replaced(",4\n", ",4,5\n"), "truth.csv:2: has 23 cells"},
+      {Replaced(",4\n", ",5\n"), "truth.csv:2: has 5 visible LEDs"},
+      {Replaced(",4\n", ",-1\n"), "truth.csv:2: has -1 visible LEDs"},
+      {Replaced(",4\n", ",4.0\n"), "truth.csv:2: has '4.0' in cell 22"},
+      {Replaced("0.2,20,1,0,0", "nan,20,1,0,0"), "truth.csv:2: has 'nan' in cell 5"},
+      {Replaced("0.2,20,1,0,0", ",20,1,0,0"), "truth.csv:2: has '' in cell 5"},
+      {Replaced("20,1,0,0", "20,2,0,0"), "truth.csv:2: has a direction of length 2"},
+      {Replaced(",bar,", ",,"), "truth.csv:2: names no target"},
+      {Replaced("1700000000000500000", "1.7e18"), "truth.csv:2: has '1.7e18' in cell 1"},
+      {Replaced("1700000000000500000", "99999999999999999999"),
        "truth.csv:2: has '99999999999999999999' in cell 1"},
-      {kRow + With("1700000000000500000", "1600000000000500000"),
+      {kRow + Replaced("1700000000000500000", "1600000000000500000"),
        "truth.csv:3: has the time 1600000000000500000"},
   };
   const ScratchFolder scratch;

@@ -13,7 +13,7 @@ using adit::base::Skew;
 
 namespace {
 
-constexpr unsigned kSeed = 20;
+constexpr unsigned kPoseSeed = 20;
 
 template <class To, class From>
 Pose<To, From> RandomPose(std::mt19937& random) {
@@ -54,7 +54,7 @@ TEST(Pose, MapsAPointByAQuarterTurnAndAShift) {
 }
 
 TEST(Pose, ComposesAsMappingOneAfterTheOther_Seed20) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kPoseSeed);
   for (int i = 0; i < 100; ++i) {
     const auto s_b = RandomPose<Site, Rig>(random);
     const auto b_l = RandomPose<Rig, LeftCamera>(random);
@@ -64,7 +64,7 @@ TEST(Pose, ComposesAsMappingOneAfterTheOther_Seed20) {
 }
 
 TEST(Pose, ComesBackByItsInverse_Seed20) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kPoseSeed);
   for (int i = 0; i < 100; ++i) {
     const auto r_l = RandomPose<RightCamera, LeftCamera>(random);
     const Eigen::Vector3d point_m = RandomPoint(random);
@@ -74,7 +74,7 @@ TEST(Pose, ComesBackByItsInverse_Seed20) {
 }
 
 TEST(Pose, SkewIsTheCrossProduct_Seed20) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kPoseSeed);
   for (int i = 0; i < 100; ++i) {
     const Eigen::Vector3d a = RandomPoint(random), b = RandomPoint(random);
     DOUBLES_EQUAL(0, (Skew(a) * b - a.cross(b)).norm(), 1e-9);

@@ -15,7 +15,7 @@ using adit::base::SolveSymmetric;
 
 namespace {
 
-constexpr unsigned kSeed = 31;
+constexpr unsigned kMatrixSeed = 31;
 constexpr int kSize = 6;
 
 using Square = Eigen::Matrix<double, kSize, kSize>;
@@ -42,7 +42,7 @@ Square Covariance(std::mt19937& random) {
 TEST_GROUP(Symmetric){};
 
 TEST(Symmetric, CongruenceIsTheSumOverAllPairs) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kMatrixSeed);
   const Square p = Covariance(random);
   const auto a = Random<3, kSize>(random);
   const Eigen::Matrix3d moved = Congruence(a, p);
@@ -58,7 +58,7 @@ TEST(Symmetric, CongruenceIsTheSumOverAllPairs) {
 }
 
 TEST(Symmetric, TheSolutionSolves) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kMatrixSeed);
   for (int i = 0; i < 20; ++i) {
     const Square s = Covariance(random);
     const Eigen::Matrix<double, kSize, 4> b = s * Random<kSize, 4>(random);
@@ -68,7 +68,7 @@ TEST(Symmetric, TheSolutionSolves) {
 }
 
 TEST(Symmetric, MahalanobisIsTheSumOfSquaresInUnitsOfSigma) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kMatrixSeed);
   // error = root z, covariance = root rootᵀ: z is what was put in.
   const Square root = Random<kSize, kSize>(random);
   const Column z = Random<kSize, 1>(random);
@@ -91,7 +91,7 @@ TEST(Symmetric, WhatIsNotPositiveHasNoInverse) {
 }
 
 TEST(Symmetric, SemidefiniteIsWhatHasNoEigenvalueBelowTheTolerance) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kMatrixSeed);
   // Rank 5: one eigenvalue is zero; moved down by more than the tolerance, it is seen.
   const auto root = Random<kSize, 5>(random);
   const Square flat = root * root.transpose();
@@ -104,7 +104,7 @@ TEST(Symmetric, SemidefiniteIsWhatHasNoEigenvalueBelowTheTolerance) {
 }
 
 TEST(Symmetric, TakesNoHeap) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kMatrixSeed);
   const auto h = Random<5, 12>(random);
   const Eigen::Matrix<double, 12, 12> p = h.transpose() * h + Eigen::Matrix<double, 12, 12>::Identity();
   const std::uint64_t before = adit::support::AllocationCount();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware/detect/components.h"
+#include "tests/support/opencv_view.h"
 
 #include <CppUTest/TestHarness.h>
 
@@ -19,17 +20,10 @@ using adit::detect::Components;
 using adit::detect::PixelNoise;
 using adit::detect::Run;
 using adit::detect::SpotMoments;
+using adit::support::ViewOf;
+using adit::support::WholeOf;
 
 const PixelNoise kNoise{1.5, 40, 8};
-
-adit::detect::Window WholeOf(const ImageView& image) {
-  return {0, 0, image.width_px - 1, image.height_px - 1};
-}
-
-ImageView ViewOf(const cv::Mat& image) {
-  return {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step),
-          image.elemSize() == 1 ? 8 : 12};
-}
 
 double ValueAt(const cv::Mat& image, int x, int y) {
   return image.elemSize() == 1 ? image.at<std::uint8_t>(y, x) : image.at<std::uint16_t>(y, x);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "firmware/detect/row_scan.h"
+#include "tests/support/opencv_view.h"
 
 #include <CppUTest/TestHarness.h>
 
@@ -19,17 +20,10 @@ using adit::base::ImageView;
 using adit::detect::Components;
 using adit::detect::LitWord;
 using adit::detect::Run;
+using adit::support::ViewOf;
+using adit::support::WholeOf;
 
 constexpr int kThreshold = 100;
-
-adit::detect::Window WholeOf(const ImageView& image) {
-  return {0, 0, image.width_px - 1, image.height_px - 1};
-}
-
-ImageView ViewOf(const cv::Mat& image) {
-  return {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step),
-          image.elemSize() == 1 ? 8 : 12};
-}
 
 /// Area and box of every component.
 using Facts = std::vector<std::tuple<int, int, int, int, int>>;

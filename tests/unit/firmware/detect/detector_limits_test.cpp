@@ -23,6 +23,9 @@ using adit::detect::Blob;
 using adit::detect::BlobSet;
 using adit::detect::Components;
 using adit::detect::Detector;
+using adit::support::kTrialBackgroundDn;
+using adit::support::kTrialHeightPx;
+using adit::support::kTrialWidthPx;
 using adit::support::Measure;
 using adit::support::Nearest;
 using adit::support::Pinhole;
@@ -30,17 +33,14 @@ using adit::support::RenderedImage;
 using adit::support::RenderedSpot;
 using adit::support::TrialErrors;
 
-constexpr int kWidthPx = adit::support::kTrialWidthPx, kHeightPx = adit::support::kTrialHeightPx;
-constexpr double kBackgroundDn = adit::support::kTrialBackgroundDn;
-
 }  // namespace
 
 TEST_GROUP(DetectorLimits) {
   std::unique_ptr<BlobSet> out = std::make_unique<BlobSet>();
 
   void Detect(const std::vector<RenderedSpot>& spots) {
-    RenderedImage image(kWidthPx, kHeightPx);
-    image.Background(kBackgroundDn);
+    RenderedImage image(kTrialWidthPx, kTrialHeightPx);
+    image.Background(kTrialBackgroundDn);
     for (const RenderedSpot& spot : spots) image.Add(spot);
     image.Expose({}, nullptr);
     Detector(Pinhole(), {}).Detect(image.Frame(), {}, *out);
@@ -100,7 +100,7 @@ TEST(DetectorLimits, TwoSpotsThatApproachEachOtherAreTwoAndThenOneBetweenThem) {
 }
 
 TEST(DetectorLimits, SpotsThatTouchABorderAreCountedNotMeasured) {
-  constexpr double kRight = kWidthPx - 1, kBottom = kHeightPx - 1;
+  constexpr double kRight = kTrialWidthPx - 1, kBottom = kTrialHeightPx - 1;
   const std::array<RenderedSpot, 8> cut{{{1, 100},
                                          {kRight - 1, 100},
                                          {200, 1},
@@ -148,7 +148,7 @@ TEST(DetectorLimits, AnImageWithMoreRunsThanThereIsRoomForHasNoBlobs) {
 
 TEST(DetectorLimits, RowsThatOverlapAreRefused) {
   for (const int bits : {8, 12}) {
-    RenderedImage image(kWidthPx, kHeightPx, bits);
+    RenderedImage image(kTrialWidthPx, kTrialHeightPx, bits);
     image.Add({200, 160});
     image.Expose({}, nullptr);
     Detector detector(Pinhole(), {});
@@ -168,7 +168,7 @@ TEST(DetectorLimits, RowsThatOverlapAreRefused) {
 TEST(DetectorLimits, NothingIsBrighterThanAGroundNearFullScale_Seed34) {
   std::mt19937 random(34);
   for (const double level_dn : {248.0, 255.0, 400.0}) {
-    RenderedImage image(kWidthPx, kHeightPx);
+    RenderedImage image(kTrialWidthPx, kTrialHeightPx);
     image.Background(level_dn);
     image.Add({200, 160});
     image.Expose({}, &random);
@@ -180,7 +180,7 @@ TEST(DetectorLimits, NothingIsBrighterThanAGroundNearFullScale_Seed34) {
 
 TEST(DetectorLimits, PixelsBeyondTheirDepthAreNotAllBright) {
   // 12 bits of a camera that is taken for one of 10: the ground is above the full scale of 10.
-  RenderedImage image(kWidthPx, kHeightPx, 12);
+  RenderedImage image(kTrialWidthPx, kTrialHeightPx, 12);
   image.Background(100);
   image.Add({200.3, 160.2, 1.6, 100});
   image.Expose({}, nullptr);
@@ -199,8 +199,8 @@ TEST(DetectorLimits, TheHeapStaysUntouchedWhateverTheImage_Seed35) {
   const auto one = std::make_unique<int>(1);
   CHECK(adit::support::AllocationCount() > before);  // it counts
   std::mt19937 random(35);
-  RenderedImage noise(kWidthPx, kHeightPx), lamps(kWidthPx, kHeightPx), dark(kWidthPx, kHeightPx),
-      fits(kWidthPx, kHeightPx);
+  RenderedImage noise(kTrialWidthPx, kTrialHeightPx), lamps(kTrialWidthPx, kTrialHeightPx),
+      dark(kTrialWidthPx, kTrialHeightPx), fits(kTrialWidthPx, kTrialHeightPx);
   noise.Expose({80, 1}, &random);
   for (int n = 0; n < 600; ++n) lamps.Add({8 + 13.0 * (n % 30), 8 + 15.0 * (n / 30)});
   lamps.Expose({}, nullptr);

@@ -18,6 +18,9 @@ using adit::base::FrameStatus;
 using adit::detect::Blob;
 using adit::detect::BlobSet;
 using adit::detect::Detector;
+using adit::support::kTrialBackgroundDn;
+using adit::support::kTrialHeightPx;
+using adit::support::kTrialWidthPx;
 using adit::support::Measure;
 using adit::support::Nearest;
 using adit::support::Pinhole;
@@ -26,8 +29,6 @@ using adit::support::RenderedSpot;
 using adit::support::SensorNoise;
 using adit::support::TrialErrors;
 
-constexpr int kWidthPx = adit::support::kTrialWidthPx, kHeightPx = adit::support::kTrialHeightPx;
-constexpr double kBackgroundDn = adit::support::kTrialBackgroundDn;
 const SensorNoise kNoiseA;
 
 /// 8 x 7 spots 42 px apart, each at a random phase.
@@ -49,8 +50,8 @@ TEST_GROUP(Detector) {
 
   /// Detects one image of these spots with noise of seed 1.
   void Detect(const std::vector<RenderedSpot>& spots) {
-    RenderedImage image(kWidthPx, kHeightPx);
-    image.Background(kBackgroundDn);
+    RenderedImage image(kTrialWidthPx, kTrialHeightPx);
+    image.Background(kTrialBackgroundDn);
     for (const RenderedSpot& spot : spots) image.Add(spot);
     std::mt19937 random(1);
     image.Expose(kNoiseA, &random);
@@ -76,8 +77,8 @@ TEST(Detector, ReachesTheCramerRaoBoundAndStatesItsErrorHonestly_Seeds1To12) {
 
 TEST(Detector, CentroidsWithoutNoiseAreWithinFiveThousandthsOfAPixel) {
   std::mt19937 random(10);
-  RenderedImage image(kWidthPx, kHeightPx);
-  image.Background(kBackgroundDn);
+  RenderedImage image(kTrialWidthPx, kTrialHeightPx);
+  image.Background(kTrialBackgroundDn);
   const auto spots = Grid(random, 200, 1.6);
   for (const RenderedSpot& spot : spots) image.Add(spot);
   image.Expose(kNoiseA, nullptr);
@@ -101,8 +102,8 @@ TEST(Detector, SaturatedSpotsSaySo) {
 }
 
 TEST(Detector, CountsWhatItLeavesOut) {
-  RenderedImage image(kWidthPx, kHeightPx);
-  image.Background(kBackgroundDn);
+  RenderedImage image(kTrialWidthPx, kTrialHeightPx);
+  image.Background(kTrialBackgroundDn);
   image.Add({100, 100, 0.35, 60});                                       // a hot pixel
   image.Add({200, 150, 12, 220});                                        // a headlight
   image.Add({1, 200, 1.6, 200});                                         // cut by the border
@@ -121,8 +122,8 @@ TEST(Detector, CountsWhatItLeavesOut) {
 TEST(Detector, TwelveBitsGiveTheSameCentroidsAsEight) {
   const RenderedSpot spot{200.3, 160.2, 1.6, 150};
   const auto detect = [&](int bits, int padding_bytes) {
-    RenderedImage image(kWidthPx, kHeightPx, bits, padding_bytes);
-    image.Background(kBackgroundDn);
+    RenderedImage image(kTrialWidthPx, kTrialHeightPx, bits, padding_bytes);
+    image.Background(kTrialBackgroundDn);
     image.Add(spot);
     image.Expose(kNoiseA, nullptr);
     Detector(Pinhole(), {}).Detect(image.Frame(), {}, *out);
@@ -139,7 +140,7 @@ TEST(Detector, TwelveBitsGiveTheSameCentroidsAsEight) {
 }
 
 TEST(Detector, RefusesWhatItCannotRead) {
-  RenderedImage image(kWidthPx, kHeightPx);
+  RenderedImage image(kTrialWidthPx, kTrialHeightPx);
   image.Add({200, 160, 1.6, 200});
   image.Expose(kNoiseA, nullptr);
   const auto status = [&](const CameraFrame& frame) {
@@ -166,7 +167,7 @@ TEST(Detector, RefusesWhatItCannotRead) {
 TEST(Detector, MoreSpotsThanItKeepsAreCounted) {
   constexpr int kSide = 640;
   RenderedImage image(kSide, kSide);
-  image.Background(kBackgroundDn);
+  image.Background(kTrialBackgroundDn);
   for (int row = 0; row < 30; ++row)
     for (int column = 0; column < 30; ++column) image.Add({20 + 20.0 * column, 20 + 20.0 * row, 1.5, 150});
   image.Expose(kNoiseA, nullptr);
@@ -180,8 +181,8 @@ TEST(Detector, UndistortsPlaceAndCovariance) {
   camera.fu_px = camera.fv_px = 400;
   camera.k1 = -0.2;
   const RenderedSpot spot{330.3, 260.2, 1.6, 150};
-  RenderedImage image(kWidthPx, kHeightPx);
-  image.Background(kBackgroundDn);
+  RenderedImage image(kTrialWidthPx, kTrialHeightPx);
+  image.Background(kTrialBackgroundDn);
   image.Add(spot);
   image.Expose(kNoiseA, nullptr);
   Detector(camera, {}).Detect(image.Frame(), {}, *out);
@@ -207,8 +208,8 @@ TEST(Detector, UndistortsPlaceAndCovariance) {
 TEST(Detector, AllocatesNothingAfterItsConstruction) {
   if (!adit::support::CountsAllocations()) return;
   std::mt19937 random(11);
-  RenderedImage image(kWidthPx, kHeightPx);
-  image.Background(kBackgroundDn);
+  RenderedImage image(kTrialWidthPx, kTrialHeightPx);
+  image.Background(kTrialBackgroundDn);
   for (const RenderedSpot& spot : Grid(random, 150, 1.6)) image.Add(spot);
   image.Expose(kNoiseA, &random);
   Detector detector(Pinhole(), {});

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr unsigned kSeed = 31;
+constexpr unsigned kCameraSeed = 31;
 
 /// Lenses from none to a strong barrel, whose images do not fold over.
 std::vector<CameraModel> Lenses() {
@@ -48,7 +48,7 @@ std::vector<double> Coefficients(const CameraModel& c) { return {c.k1, c.k2, c.p
 TEST_GROUP(CameraModel){};
 
 TEST(CameraModel, ProjectsAsOpenCvDoes_Seed31) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kCameraSeed);
   std::uniform_real_distribution<double> slope(-0.35, 0.35), depth_m(0.5, 150);
   for (const CameraModel& camera : Lenses()) {
     std::vector<cv::Point3d> points;

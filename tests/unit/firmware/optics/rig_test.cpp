@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr unsigned kSeed = 47;
+constexpr unsigned kRigSeed = 47;
 
 /// Nine metres apart, turned inwards to meet at 35 m, a little rolled; no two numbers alike.
 Rig TunnelRig() {
@@ -277,7 +277,7 @@ TEST_GROUP(Rig){};
 TEST(Rig, ItsFundamentalMatrixPutsMatchesOnEpipolarLines_Seed47) {
   const Rig rig = TunnelRig();
   const Eigen::Matrix3d fundamental = rig.Fundamental();
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kRigSeed);
   std::uniform_real_distribution<double> across_m(-4, 8), depth_m(10, 120);
   cv::Mat rotation(3, 3, CV_64F), turn;
   for (int i = 0; i < 9; ++i) rotation.at<double>(i / 3, i % 3) = rig.T_r_l.rotation(i / 3, i % 3);

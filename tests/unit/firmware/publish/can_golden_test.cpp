@@ -13,7 +13,7 @@
 namespace adit::publish {
 namespace {
 
-constexpr std::uint8_t kNode = 0x20;
+constexpr std::uint8_t kGoldenNode = 0x20;
 constexpr std::uint8_t kBlockASlots = 8;
 
 std::vector<base::CanFrame> GoldenFrames() {
@@ -67,32 +67,32 @@ TEST(CanGolden, HasAllFrames) { LONGS_EQUAL(168, frames_.size()); }
 
 TEST(CanGolden, EveryFrameDecodesAndEncodesBitForBit) {
   for (const base::CanFrame& golden : frames_) {
-    const std::optional<ReceivedSlot> slot = DecodeSlot(golden, kNode);
+    const std::optional<ReceivedSlot> slot = DecodeSlot(golden, kGoldenNode);
     CHECK(slot.has_value());
     const auto status = static_cast<std::uint8_t>(static_cast<unsigned>(slot->validity) | (slot->age * 4U));
-    CHECK(EncodeSlot(kNode, slot->slot, {slot->value, status}, slot->counter) == golden);
+    CHECK(EncodeSlot(kGoldenNode, slot->slot, {slot->value, status}, slot->counter) == golden);
   }
 }
 
 TEST(CanGolden, NoFrameDecodesForAnotherNode) {
   for (const base::CanFrame& golden : frames_) {
     for (std::uint8_t node = 1; node < 127; ++node) {
-      if (node != kNode) CHECK_FALSE(DecodeSlot(golden, node).has_value());
+      if (node != kGoldenNode) CHECK_FALSE(DecodeSlot(golden, node).has_value());
     }
   }
 }
 
 // As canmatrix and candied read the first frames.
 TEST(CanGolden, TheFirstFramesReadAsOtherProgramsReadThem) {
-  const ReceivedSlot east = *DecodeSlot(frames_[0], kNode);
+  const ReceivedSlot east = *DecodeSlot(frames_[0], kGoldenNode);
   LONGS_EQUAL(-152123001, static_cast<std::int32_t>(east.value));
   LONGS_EQUAL(1, static_cast<int>(east.validity));
   LONGS_EQUAL(19, east.age);
   LONGS_EQUAL(250, east.counter);
-  const ReceivedSlot north = *DecodeSlot(frames_[1], kNode);
+  const ReceivedSlot north = *DecodeSlot(frames_[1], kGoldenNode);
   LONGS_EQUAL(INT32_MIN, static_cast<std::int32_t>(north.value));
   LONGS_EQUAL(0, static_cast<int>(north.validity));
-  const ReceivedSlot status = *DecodeSlot(frames_[3], kNode);
+  const ReceivedSlot status = *DecodeSlot(frames_[3], kGoldenNode);
   LONGS_EQUAL(3, status.slot);
   LONGS_EQUAL(3 + 16 * 1 + 256 * 11265, status.value & 0xFFFFFF);
   LONGS_EQUAL(222, status.value >> 24);
@@ -102,9 +102,9 @@ TEST(CanGolden, AnEpochWithTheseValuesMakesTheseFrames) {
   constexpr base::TimeNs kNow = 1'700'000'000 * base::kNsPerS;
   int compared = 0;
   for (const base::CanFrame& golden : frames_) {
-    const ReceivedSlot slot = *DecodeSlot(golden, kNode);
+    const ReceivedSlot slot = *DecodeSlot(golden, kGoldenNode);
     if (slot.slot >= kBlockASlots) continue;
-    CanEncoder encoder(kNode, {});
+    CanEncoder encoder(kGoldenNode, {});
     CanEncoder::Frames made;
     encoder.Encode(EpochOf(slot, kNow), {}, kNow, made);
     for (const base::CanFrame& frame : made) {

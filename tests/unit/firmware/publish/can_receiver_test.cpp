@@ -9,7 +9,7 @@
 namespace adit::publish {
 namespace {
 
-constexpr std::uint8_t kNode = 0x20;
+constexpr std::uint8_t kSenderNode = 0x20;
 constexpr base::DurationNs kCycleNs = 50 * base::kNsPerMs;
 
 struct Sent {
@@ -21,13 +21,13 @@ struct Sent {
 }  // namespace
 
 TEST_GROUP(CanReceiver) {
-  CanReceiver receiver_{kNode};
+  CanReceiver receiver_{kSenderNode};
   base::TimeNs now_ns_ = base::kNsPerS;
   std::uint8_t counter_ = 250;
 
   base::CanFrame Axis(std::uint8_t axis, const Sent& sent, std::uint8_t counter) const {
     const auto status = static_cast<std::uint8_t>(static_cast<unsigned>(sent.validity) | (sent.age << 2));
-    return EncodeSlot(kNode, axis, {static_cast<std::uint32_t>(sent.steps[axis]), status}, counter);
+    return EncodeSlot(kSenderNode, axis, {static_cast<std::uint32_t>(sent.steps[axis]), status}, counter);
   }
   void Send(const Sent& sent = {}, int step = 1) {
     now_ns_ += kCycleNs;
@@ -89,7 +89,7 @@ TEST(CanReceiver, OnlyValidMovesAMachine) {
 TEST(CanReceiver, ATestStandMayAcceptSimulation) {
   ReceiverRules rules;
   rules.accept_simulated = true;
-  receiver_ = CanReceiver(kNode, rules);
+  receiver_ = CanReceiver(kSenderNode, rules);
   Sent sent;
   sent.validity = Validity::kSimulated;
   for (int i = 0; i < 4; ++i) Send(sent);

@@ -13,7 +13,7 @@
 namespace adit::publish {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
+using Message = std::vector<std::uint8_t>;
 constexpr std::uint8_t kUnit = 17;
 
 }  // namespace
@@ -23,18 +23,18 @@ TEST_GROUP(ModbusReply) {
   ModbusResponder responder_{map_, kUnit};
   base::TimeNs now_ns_ = kExposureNs;
 
-  Bytes Ask(const Bytes& request) const {
-    Bytes reply(kMaxModbusMessage);
+  Message Ask(const Message& request) const {
+    Message reply(kMaxModbusMessage);
     reply.resize(responder_.Answer(request, reply, now_ns_));
     return reply;
   }
   // Function and exception code; 0 if the answer is none.
-  int ExceptionOf(const Bytes& request) const {
-    const Bytes reply = Ask(request);
+  int ExceptionOf(const Message& request) const {
+    const Message reply = Ask(request);
     return reply.size() == 3 && reply[0] == request[0] && reply[1] == (request[1] | 0x80) ? reply[2] : 0;
   }
-  static Bytes Read(unsigned function, unsigned first, unsigned count, unsigned unit = kUnit) {
-    Bytes request;
+  static Message Read(unsigned function, unsigned first, unsigned count, unsigned unit = kUnit) {
+    Message request;
     for (const unsigned byte : {unit, function, first >> 8, first, count >> 8, count}) {
       request.push_back(static_cast<std::uint8_t>(byte & 0xFF));
     }
@@ -43,16 +43,16 @@ TEST_GROUP(ModbusReply) {
 };
 
 TEST(ModbusReply, ReadsInputAndHoldingRegistersAlike) {
-  const Bytes input{kUnit, 4,    18,   0x41, 0x44, 0x49, 0x54, 1,    0,    0,   42,
-                    0x12,  0x34, 0x56, 0x78, 0x42, 0xF6, 0xE9, 0x79, 0xFF, 0xFE};
+  const Message input{kUnit, 4,    18,   0x41, 0x44, 0x49, 0x54, 1,    0,    0,   42,
+                      0x12,  0x34, 0x56, 0x78, 0x42, 0xF6, 0xE9, 0x79, 0xFF, 0xFE};
   CHECK(Ask(Read(4, 0, 9)) == input);
-  Bytes holding = input;
+  Message holding = input;
   holding[1] = 3;
   CHECK(Ask(Read(3, 0, 9)) == holding);
 }
 
 TEST(ModbusReply, ReadsTheLargestCount) {
-  const Bytes reply = Ask(Read(4, 1000, 125));
+  const Message reply = Ask(Read(4, 1000, 125));
   LONGS_EQUAL(3 + 250, reply.size());
   LONGS_EQUAL(250, reply[2]);
 }
@@ -60,14 +60,14 @@ TEST(ModbusReply, ReadsTheLargestCount) {
 TEST(ModbusReply, ReadsDiscreteInputsPackedFromTheLowestBit) {
   map_.Update(MakeEpoch(nullptr, GoodBox(), {}, now_ns_), GoodBox(), {}, {}, now_ns_);
   // alive 0, cameras 5 6, radio 7, CAN 8, time sync 9, PLC 10, georeference 12
-  CHECK((Ask(Read(2, 0, 16)) == Bytes{kUnit, 2, 2, 0xE1, 0x17}));
-  CHECK((Ask(Read(2, 5, 5)) == Bytes{kUnit, 2, 1, 0x1F}));
-  CHECK((Ask(Read(2, 15, 1)) == Bytes{kUnit, 2, 1, 0}));
+  CHECK((Ask(Read(2, 0, 16)) == Message{kUnit, 2, 2, 0xE1, 0x17}));
+  CHECK((Ask(Read(2, 5, 5)) == Message{kUnit, 2, 1, 0x1F}));
+  CHECK((Ask(Read(2, 15, 1)) == Message{kUnit, 2, 1, 0}));
 }
 
 TEST(ModbusReply, AnswersItsOwnUnit0And255) {
   for (const unsigned unit : {unsigned{kUnit}, 0U, 255U}) {
-    const Bytes reply = Ask(Read(4, 0, 1, unit));
+    const Message reply = Ask(Read(4, 0, 1, unit));
     LONGS_EQUAL(5, reply.size());
     LONGS_EQUAL(unit, reply[0]);
   }
@@ -112,7 +112,7 @@ TEST(ModbusReply, AddressesBesideTheMapAreRefused) {
 }
 
 TEST(ModbusReply, AWrongLengthIsAnIllegalValue) {
-  Bytes request = Read(4, 0, 1);
+  Message request = Read(4, 0, 1);
   request.pop_back();
   LONGS_EQUAL(3, ExceptionOf(request));
   request = Read(4, 0, 1);
@@ -128,13 +128,13 @@ TEST(ModbusReply, LessThanAFunctionCodeIsMetWithSilence) {
 }
 
 TEST(ModbusReply, AReplyWithoutRoomIsNotBegun) {
-  Bytes small(kMaxModbusMessage - 1);
+  Message small(kMaxModbusMessage - 1);
   LONGS_EQUAL(0, responder_.Answer(Read(4, 0, 1), small, now_ns_));
 }
 
 // Modbus Application Protocol V1.1b3, 6.21.
 TEST(ModbusReply, IdentifiesTheBoxAsBasicStream) {
-  Bytes expected{kUnit, 0x2B, 0x0E, 1, 0x83, 0, 0, 3};
+  Message expected{kUnit, 0x2B, 0x0E, 1, 0x83, 0, 0, 3};
   const auto add = [&](std::uint8_t id, const std::string& text) {
     expected.push_back(id);
     expected.push_back(static_cast<std::uint8_t>(text.size()));
@@ -149,15 +149,15 @@ TEST(ModbusReply, IdentifiesTheBoxAsBasicStream) {
 }
 
 TEST(ModbusReply, IdentifiesFromTheObjectAskedFor) {
-  const Bytes regular = Ask({kUnit, 0x2B, 0x0E, 2, 2});
+  const Message regular = Ask({kUnit, 0x2B, 0x0E, 2, 2});
   LONGS_EQUAL(2, regular[7]);
   LONGS_EQUAL(2, regular[8]);
-  const Bytes extended = Ask({kUnit, 0x2B, 0x0E, 3, 0});
+  const Message extended = Ask({kUnit, 0x2B, 0x0E, 3, 0});
   LONGS_EQUAL(5, extended[7]);
 }
 
 TEST(ModbusReply, IdentifiesOneObject) {
-  const Bytes serial{kUnit, 0x2B, 0x0E, 4, 0x83, 0, 0, 1, 0x80, 4, '4', '7', '1', '1'};
+  const Message serial{kUnit, 0x2B, 0x0E, 4, 0x83, 0, 0, 1, 0x80, 4, '4', '7', '1', '1'};
   CHECK(Ask({kUnit, 0x2B, 0x0E, 4, 0x80}) == serial);
   LONGS_EQUAL(2, ExceptionOf({kUnit, 0x2B, 0x0E, 4, 0x33}));
 }
@@ -173,11 +173,11 @@ TEST(ModbusReply, RandomBytesGetAnAnswerOfTheirFunctionOrAnException) {
   std::uniform_int_distribution<int> byte(0, 255), length(2, 254), unit(0, 2), function(0, 9);
   constexpr std::uint8_t kUnits[] = {kUnit, 0, 255};
   for (int i = 0; i < 20'000; ++i) {
-    Bytes request(static_cast<std::size_t>(i % 2 == 0 ? length(random) : 6));
+    Message request(static_cast<std::size_t>(i % 2 == 0 ? length(random) : 6));
     for (std::uint8_t& b : request) b = static_cast<std::uint8_t>(byte(random));
     request[0] = kUnits[unit(random)];
     if (function(random) > 2) request[1] = static_cast<std::uint8_t>(2 + i % 3);
-    const Bytes reply = Ask(request);
+    const Message reply = Ask(request);
     CHECK(reply.size() >= 3 && reply.size() <= kMaxModbusMessage);
     LONGS_EQUAL(request[0], reply[0]);
     LONGS_EQUAL(request[1] & 0x7F, reply[1] & 0x7F);
@@ -185,7 +185,7 @@ TEST(ModbusReply, RandomBytesGetAnAnswerOfTheirFunctionOrAnException) {
 }
 
 TEST(ModbusReply, AllocatesNothing) {
-  const Bytes request = Read(4, 100, 42);
+  const Message request = Read(4, 100, 42);
   std::array<std::uint8_t, kMaxModbusMessage> reply;
   const std::uint64_t before = support::AllocationCount();
   const std::size_t length = responder_.Answer(request, reply, now_ns_);

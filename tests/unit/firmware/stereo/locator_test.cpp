@@ -11,6 +11,7 @@ using adit::stereo::LossReason;
 using adit::stereo::TargetPoints;
 using adit::stereo_tests::Chain;
 using adit::stereo_tests::ErrorSigmas;
+using adit::support::AheadM;
 using adit::support::SyntheticBar;
 using adit::support::SyntheticScene;
 using Eigen::Vector2d;
@@ -19,7 +20,6 @@ using Eigen::Vector3d;
 namespace {
 
 /// `distance_m` ahead of the middle between the cameras.
-Vector3d AheadM(double distance_m) { return adit::support::Ahead(adit::support::ToedInRig(), distance_m); }
 
 void CheckLost(LossReason reason, const TargetPoints& p) {
   CHECK(p.status == FixStatus::kLost);

@@ -13,6 +13,7 @@ using adit::stereo::LossReason;
 using adit::stereo::TargetPoints;
 using adit::stereo_tests::Chain;
 using adit::stereo_tests::ErrorSigmas;
+using adit::support::AheadM;
 using adit::support::SyntheticBar;
 using adit::support::SyntheticScene;
 using Eigen::Vector3d;
@@ -20,8 +21,6 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr unsigned kLeft = 1, kRight = 2, kBoth = 3;
-
-Vector3d AheadM(double distance_m) { return adit::support::Ahead(adit::support::ToedInRig(), distance_m); }
 
 /// Removes blob `index` from the images named.
 void Hide(adit::support::BlobPair& blobs, std::size_t index, unsigned images) {

@@ -5,6 +5,7 @@
 #include "firmware/track/tracker.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/nees.h"
+#include "tests/unit/firmware/track/bar_stand.h"
 #include "tests/unit/firmware/track/simulated_body.h"
 
 #include <CppUTest/TestHarness.h>
@@ -14,12 +15,11 @@ using adit::stereo::FixStatus;
 using adit::stereo::LossReason;
 using adit::tests::BarNoise;
 using adit::tests::kBars;
+using adit::tests::kPeriodNs;
 using adit::tests::SimulatedBody;
 using Eigen::Vector3d;
 
 namespace {
-
-constexpr adit::base::TimeNs kPeriodNs = 16 * kNsPerMs;
 
 /// A loader that drives away from the cameras, turning a little, in front of a tracker.
 struct Site {

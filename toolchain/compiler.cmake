@@ -35,11 +35,18 @@ if(ADIT_FUZZ)
   target_link_options(adit_options INTERFACE -fsanitize=address,undefined)
 endif()
 
-# adit_room(name DEPENDS targets...): a library adit_<name> of all sources in the current folder.
+# adit_room(name [ONE_THREAD] DEPENDS targets...): a library adit_<name> of all sources in the current folder. ONE_THREAD: nothing
+# in it runs beside or waits for another thread, so that a build which looks for races may take it from another build
+# (ADIT_ONE_THREAD_FROM) instead of compiling what takes longest.
 function(adit_room name)
-  cmake_parse_arguments(ROOM "" "" "DEPENDS" ${ARGN})
+  cmake_parse_arguments(ROOM "ONE_THREAD" "" "DEPENDS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
-  if(sources)
+  if(ROOM_ONE_THREAD AND ADIT_ONE_THREAD_FROM)
+    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+    add_library(adit_${name} STATIC IMPORTED GLOBAL)
+    set_target_properties(adit_${name} PROPERTIES IMPORTED_LOCATION ${ADIT_ONE_THREAD_FROM}/${folder}/libadit_${name}.a)
+    target_link_libraries(adit_${name} INTERFACE adit_options ${ROOM_DEPENDS})
+  elseif(sources)
     add_library(adit_${name} STATIC ${sources})
     target_link_libraries(adit_${name} PUBLIC adit_options ${ROOM_DEPENDS})
   else()

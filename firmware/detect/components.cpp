@@ -19,6 +19,7 @@ constexpr Run kSentinel{UINT16_MAX, UINT16_MAX, 0, 0, 0};
 Components::Components()
     : scans_{{{FastestRowScan(1, true), FastestRowScan(1, false)},
               {FastestRowScan(2, true), FastestRowScan(2, false)}}},
+      dark_scans_{FastestDarkScan(1), FastestDarkScan(2)},
       lit_(LitWordsRoom(kMaxWidthPx)),
       edges_(RowEdgesRoom(kMaxWidthPx)),
       runs_(kMaxRuns),
@@ -37,15 +38,24 @@ bool Components::Segment(const base::ImageView& image, const Window& window, int
 }
 
 bool Components::ReadRows(const base::ImageView& image, const Window& window, int threshold) {
-  const auto& scans = scans_[static_cast<std::size_t>(image.BytesPerPixel() - 1)];
+  const auto bytes_per_pixel = static_cast<std::size_t>(image.BytesPerPixel());
+  const auto& scans = scans_[bytes_per_pixel - 1];
   const std::ptrdiff_t left_bytes = std::ptrdiff_t{window.x_min_px} * image.BytesPerPixel();
   x_px_ = static_cast<std::uint16_t>(window.x_min_px);
   runs_[0] = kSentinel;  // what is above a row that follows a dark one; and no run has the number 0
   run_count_ = 1;
   std::uint32_t above = 0;
   std::size_t lit = 0;
+  const auto row_bytes = static_cast<std::size_t>(window.WidthPx()) * bytes_per_pixel;
+  const bool gapless = image.stride_bytes == static_cast<std::ptrdiff_t>(row_bytes);
   for (int y = window.y_min_px; y <= window.y_max_px; ++y) {
     // A row is like the one above it.
+    if (gapless && lit == 0) {
+      const auto rows = static_cast<std::size_t>(window.y_max_px - y + 1);
+      y += static_cast<int>(dark_scans_[bytes_per_pixel - 1](image.Row(y), rows * row_bytes, threshold) /
+                            row_bytes);
+      if (y > window.y_max_px) break;
+    }
     lit = scans[lit > kFewWords ? 1 : 0](image.Row(y) + left_bytes, window.WidthPx(), threshold, lit_.data());
     if (lit == 0) {
       above = 0;

@@ -59,6 +59,7 @@ class Components {
   void DropJoined();
 
   std::array<std::array<RowScan, 2>, 2> scans_;  ///< by bytes of a pixel less one, and by whether it is lit
+  std::array<DarkScan, 2> dark_scans_;           ///< by bytes of a pixel less one
   std::uint16_t x_px_ = 0, y_px_ = 0;            ///< of the window's left edge and of the row at hand
   std::vector<LitWord> lit_;                     ///< of the row at hand
   std::vector<std::uint16_t> edges_;             ///< of the row at hand

@@ -1,8 +1,10 @@
 #include "firmware/detect/row_scan.h"
 
+#include <array>
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 
 #include "firmware/detect/avx2.h"
 
@@ -203,6 +205,42 @@ struct Neon16 {
 
 #endif
 
+constexpr std::size_t kVectorBytes = 32;
+using BytePixels = std::uint8_t __attribute__((vector_size(kVectorBytes)));
+using WidePixels = std::uint16_t __attribute__((vector_size(kVectorBytes)));
+using VectorWords = std::uint64_t __attribute__((vector_size(kVectorBytes)));
+
+template <typename Pixels>
+ADIT_INLINE std::size_t DarkBytes(const std::uint8_t* at, std::size_t count, int threshold) {
+  using Pixel = std::remove_cvref_t<decltype(Pixels{}[0])>;
+  const Pixels brightest_dark = Pixels{} + static_cast<Pixel>(threshold);
+  constexpr std::size_t kVectors = 16, kAtOnce = 4;
+  std::size_t done = 0;
+  for (; done + kVectors * kVectorBytes <= count; done += kVectors * kVectorBytes) {
+    std::array<Pixels, kAtOnce> most;
+    most.fill(brightest_dark);
+    for (std::size_t i = 0; i < kVectors; ++i) {
+      Pixels pixels, &to = most[i % kAtOnce];
+      std::memcpy(&pixels, at + done + i * kVectorBytes, kVectorBytes);
+      to = pixels > to ? pixels : to;
+    }
+    const Pixels changed = (most[0] | most[1] | most[2] | most[3]) ^ brightest_dark;
+    VectorWords any;
+    std::memcpy(&any, &changed, kVectorBytes);
+    if ((any[0] | any[1] | any[2] | any[3]) != 0) break;
+  }
+  return done;
+}
+
+template <typename Pixels>
+std::size_t DarkBytesBaseline(const std::uint8_t* at, std::size_t count, int threshold) {
+  return DarkBytes<Pixels>(at, count, threshold);
+}
+template <typename Pixels>
+ADIT_AVX2 std::size_t DarkBytesAvx2(const std::uint8_t* at, std::size_t count, int threshold) {
+  return DarkBytes<Pixels>(at, count, threshold);
+}
+
 /// Rows too short for half a word by the plain loop, and nothing at all where no value is bright.
 template <typename Half, RowScan kScan, RowScan kPlain>
 std::size_t ScanRow(const std::uint8_t* row, int width, int threshold, LitWord* lit) {
@@ -240,6 +278,11 @@ RowScan FastestRowScan(int bytes_per_pixel, [[maybe_unused]] bool dark) {
 #else
   return bytes ? ScanRowPlain8 : ScanRowPlain16;
 #endif
+}
+
+DarkScan FastestDarkScan(int bytes_per_pixel) {
+  if (bytes_per_pixel == 1) return HasAvx2() ? DarkBytesAvx2<BytePixels> : DarkBytesBaseline<BytePixels>;
+  return HasAvx2() ? DarkBytesAvx2<WidePixels> : DarkBytesBaseline<WidePixels>;
 }
 
 std::size_t RowEdges(std::span<const LitWord> lit, std::uint16_t* edges) {

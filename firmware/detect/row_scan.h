@@ -24,6 +24,12 @@ std::size_t ScanRowPlain16(const std::uint8_t* row, int width, int threshold, Li
 /// rows, which hold hardly anything bright, another one may be the fastest.
 RowScan FastestRowScan(int bytes_per_pixel, bool dark);
 
+/// How many of `count` bytes from `at` on, in whole blocks, hold no pixel brighter than `threshold`: the
+/// pixels of many rows at once, where these follow one another without a gap.
+using DarkScan = std::size_t (*)(const std::uint8_t* at, std::size_t count, int threshold);
+/// For pixels of that size with the widest instructions of this processor.
+DarkScan FastestDarkScan(int bytes_per_pixel);
+
 /// Room that a RowScan wants.
 constexpr std::size_t LitWordsRoom(int width) { return (static_cast<std::size_t>(width) + 63) / 64 + 1; }
 /// Room that RowEdges wants: two edges a run, and what it writes in advance.

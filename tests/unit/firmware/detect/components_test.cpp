@@ -165,6 +165,21 @@ TEST(Components, InAWindowTheyAreThoseOfTheImageCutOutInTheImagesPlaces_Seed8) {
   }
 }
 
+/// A few bright blocks far apart, as dark rows are passed over many at a time.
+TEST(Components, EqualOpenCvsWhereMostRowsAreDark_Seed10) {
+  std::mt19937 random(10);
+  for (int round = 0; round < 40; ++round) {
+    cv::Mat image(200, 1 + static_cast<int>(random() % 700), CV_8U, cv::Scalar(50));
+    for (int i = 0; i < 4; ++i) {
+      const cv::Rect box(static_cast<int>(random() % static_cast<unsigned>(image.cols)),
+                         static_cast<int>(random() % 200), 1 + static_cast<int>(random() % 9),
+                         1 + static_cast<int>(random() % 9));
+      image(box & cv::Rect({}, image.size())).setTo(200);
+    }
+    CheckSame(image, "few lit rows");
+  }
+}
+
 TEST(Components, TooManyRunsGiveNoneAtAll) {
   cv::Mat stripes(1024, 1400, CV_8U, cv::Scalar(0));
   for (int x = 0; x < 1400; x += 2) stripes.col(x).setTo(255);
@@ -204,7 +219,36 @@ TEST_GROUP(RowScan) {
       }
     }
   }
+
+  /// A long dark stretch, at the threshold and below it, with one pixel brighter anywhere, or none.
+  template <typename Pixel>
+  void CheckDarkScan(unsigned levels) {
+    constexpr std::size_t kLongest = 5000, kSlack = 3;
+    const auto scan = adit::detect::FastestDarkScan(sizeof(Pixel));
+    for (int round = 0; round < 2000; ++round) {
+      const auto threshold = static_cast<unsigned>(random() % (levels - 1));
+      std::vector<Pixel> pixels(kLongest);
+      for (Pixel& pixel : pixels) pixel = static_cast<Pixel>(random() % (threshold + 1));
+      const std::size_t first = random() % kSlack, count = random() % (kLongest - first);
+      const std::size_t lit = first + random() % kLongest;
+      if (lit < kLongest)
+        pixels[lit] = static_cast<Pixel>(threshold + 1 + random() % (levels - 1 - threshold));
+      const auto* const at = reinterpret_cast<const std::uint8_t*>(pixels.data() + first);
+      const std::size_t dark = scan(at, count * sizeof(Pixel), static_cast<int>(threshold));
+      const std::size_t known = std::min(count, lit - first);
+      CHECK(dark <= known * sizeof(Pixel));
+      // It stops less than a block before.
+      constexpr std::size_t kBlockBytes = 512;
+      CHECK(known * sizeof(Pixel) < dark + kBlockBytes);
+    }
+  }
 };
+
+TEST(RowScan, DarkStretchesArePassedOverUpToTheFirstLitPixel_Seed5) {
+  CheckDarkScan<std::uint8_t>(256);
+  CheckDarkScan<std::uint16_t>(4096);
+  CheckDarkScan<std::uint16_t>(65536);
+}
 
 TEST(RowScan, TheFastestEqualsThePlainOneOnRowsOfEveryLength_Seed5) {
   CompareWithPlain<std::uint8_t>(adit::detect::ScanRowPlain8, 256);

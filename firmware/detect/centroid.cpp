@@ -3,9 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-
-#include "firmware/detect/stretch_sums.h"
 
 namespace adit::detect {
 namespace {
@@ -18,76 +15,29 @@ constexpr double kPixelVariancePx2 = 1.0 / 12;     // a pixel is a square, not a
 // narrower.
 constexpr double kCutOffPx3 = 0.11;  // times threshold / peak / sigma^2
 
-/// The sums, to divide.
-struct Moments {
-  double g, x, y, xx, xy, yy;
-
-  explicit Moments(const MomentSums& s)
-      : g(static_cast<double>(s.g)),
-        x(static_cast<double>(s.x)),
-        y(static_cast<double>(s.y)),
-        xx(static_cast<double>(s.xx)),
-        xy(static_cast<double>(s.xy)),
-        yy(static_cast<double>(s.yy)) {}
-};
-
-/// Sums over pixels of one row.
-struct RowSums {
-  std::int64_t g = 0, x = 0, xx = 0;
-};
-
-/// Adds pixels of the row y whose sums over x are given.
-void AddRow(MomentSums& sums, const RowSums& row, std::int64_t y) {
-  sums.g += row.g, sums.x += row.x, sums.xx += row.xx;
-  sums.y += row.g * y, sums.xy += row.x * y, sums.yy += row.g * y * y;
-}
-
 }  // namespace
 
 double PixelNoise::VarianceDn2(double value_dn) const {
   return read_dn * read_dn + (value_dn - background_dn) / electrons_per_dn + kRoundingVarianceDn2;
 }
 
-void SpotMoments::Take(const base::ImageView& image, const Run& run) {
-  const std::uint8_t* const row = image.Row(run.y_px);
-  const bool wide = image.BytesPerPixel() == 2;
-  RowSums light;
-  std::uint32_t most = 0;
-  for (int begin = run.begin_px; begin < run.end_px; begin += kStretchPx) {
-    const int count = std::min(kStretchPx, run.end_px - begin);
-    const StretchSums s = wide ? SumStretchPlain16(row + std::ptrdiff_t{2} * begin, count, threshold_dn_)
-                          : begin + kStretchPx <= image.width_px
-                              ? SumStretchWide8(row + begin, count, threshold_dn_)
-                              : SumStretchPlain8(row + begin, count, threshold_dn_);
-    const std::int64_t x = begin - origin_px_.x(), g = s.g, k = s.k, kk = s.kk;
-    light.g += g, light.x += k + x * g, light.xx += kk + 2 * x * k + x * x * g;
-    most = std::max(most, s.most);
-  }
-  const std::int64_t y = run.y_px - origin_px_.y();
-  AddRow(light_, light, y);
-  // 1, x and x^2 over n pixels from x on.
-  const std::int64_t n = run.end_px - run.begin_px, x = run.begin_px - origin_px_.x();
-  AddRow(ones_, {n, n * x + n * (n - 1) / 2, n * x * x + n * (n - 1) * x + n * (n - 1) * (2 * n - 1) / 6}, y);
-  peak_dn_ = std::max(peak_dn_, most);
-}
-
 Eigen::Vector2d SpotMoments::CentroidPx() const {
-  const Moments light(light_);
+  const MomentSums& light = sums_.light;
   return origin_px_.cast<double>() + Eigen::Vector2d(light.x, light.y) / light.g;
 }
 
 Eigen::Matrix2d SpotMoments::CovariancePx2() const {
   // c = sum g x / sum g, so dc/dI_i = (x_i - c) / sum g. The variance of a pixel is linear in its brightness,
   // so that its sums are those at hand.
-  const Moments light(light_), ones(ones_);
+  const MomentSums &light = sums_.light, &ones = sums_.ones;
   const double cx = light.x / light.g, cy = light.y / light.g;
   const double dimmest_dn2 = noise_.VarianceDn2(threshold_dn_), slope_dn = 1 / noise_.electrons_per_dn;
-  const auto sum = [&](double Moments::*of) { return dimmest_dn2 * ones.*of + slope_dn * light.*of; };
-  const double v = sum(&Moments::g), vx = sum(&Moments::x), vy = sum(&Moments::y);
+  const auto sum = [&](double MomentSums::*of) { return dimmest_dn2 * ones.*of + slope_dn * light.*of; };
+  const double v = sum(&MomentSums::g), vx = sum(&MomentSums::x), vy = sum(&MomentSums::y);
   Eigen::Matrix2d covariance;
-  covariance(0, 0) = sum(&Moments::xx) - 2 * cx * vx + cx * cx * v;
-  covariance(1, 1) = sum(&Moments::yy) - 2 * cy * vy + cy * cy * v;
-  covariance(0, 1) = covariance(1, 0) = sum(&Moments::xy) - cx * vy - cy * vx + cx * cy * v;
+  covariance(0, 0) = sum(&MomentSums::xx) - 2 * cx * vx + cx * cx * v;
+  covariance(1, 1) = sum(&MomentSums::yy) - 2 * cy * vy + cy * cy * v;
+  covariance(0, 1) = covariance(1, 0) = sum(&MomentSums::xy) - cx * vy - cy * vx + cx * cy * v;
   covariance /= light.g * light.g;
   const double bias_px = kCutOffPx3 * Cut() / std::max(GaussianSizePx2(), 1.0);
   return covariance + bias_px * bias_px * Eigen::Matrix2d::Identity();
@@ -100,7 +50,7 @@ double SpotMoments::Cut() const {
 
 double SpotMoments::GaussianSizePx2() const {
   // A Gaussian of height h, cut off at t, covers 2 pi sigma^2 ln(h / t).
-  return static_cast<double>(ones_.g) / (-2 * M_PI * std::log(Cut()));
+  return sums_.ones.g / (-2 * M_PI * std::log(Cut()));
 }
 
 Eigen::Matrix2d SpotMoments::GaussianShapePx2() const {
@@ -109,7 +59,7 @@ Eigen::Matrix2d SpotMoments::GaussianShapePx2() const {
 }
 
 Eigen::Matrix2d SpotMoments::SecondMomentsPx2() const {
-  const Moments light(light_);
+  const MomentSums& light = sums_.light;
   const double cx = light.x / light.g, cy = light.y / light.g;
   Eigen::Matrix2d moments_px2;
   moments_px2(0, 0) = light.xx / light.g - cx * cx + kPixelVariancePx2;

@@ -2,10 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 
-#include "firmware/base/image.h"
-#include "firmware/detect/components.h"
+#include "firmware/detect/light_sums.h"
 
 namespace adit::detect {
 
@@ -20,22 +18,14 @@ struct PixelNoise {
   double VarianceDn2(double value_dn) const;
 };
 
-/// Sums over pixels: of a weight g, and of g times their places. Whole numbers: a thousand pixels of 16 bits
-/// a thousand pixels from the origin come to 7e13.
-struct MomentSums {
-  std::int64_t g = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
-};
-
-/// Moments of a component weighted with the brightness above the threshold. Take every run of the component
-/// once, in any order; then ask.
+/// Moments of a component weighted with the brightness above the threshold.
 class SpotMoments {
  public:
-  /// `threshold_dn` is not below the background. Sums are taken about `origin_px`, near the spot, so that
-  /// they stay small.
-  SpotMoments(const Eigen::Vector2i& origin_px, int threshold_dn, const PixelNoise& noise)
-      : origin_px_(origin_px), threshold_dn_(threshold_dn), noise_(noise) {}
-
-  void Take(const base::ImageView& image, const Run& run);
+  /// From the component's sums about `origin_px`, near the spot, so that they stay small. `threshold_dn` is
+  /// not below the background.
+  SpotMoments(const LightSums& sums, const Eigen::Vector2i& origin_px, int threshold_dn,
+              const PixelNoise& noise)
+      : origin_px_(origin_px), threshold_dn_(threshold_dn), noise_(noise), sums_(sums) {}
 
   Eigen::Vector2d CentroidPx() const;
   /// Of the centroid: the pixels' noise through the weights, and what the cut-off at the threshold leaves.
@@ -45,12 +35,9 @@ class SpotMoments {
   /// Second moments of the spot if it is a Gaussian: their ratios as above the threshold, their size from the
   /// pixels there.
   Eigen::Matrix2d GaussianShapePx2() const;
-  double PeakDn() const { return static_cast<double>(peak_dn_); }
+  double PeakDn() const { return threshold_dn_ + sums_.most; }
   /// Sum of the brightness above the background.
-  double FluxDn() const {
-    return static_cast<double>(light_.g) +
-           static_cast<double>(ones_.g) * (threshold_dn_ - noise_.background_dn);
-  }
+  double FluxDn() const { return sums_.light.g + sums_.ones.g * (threshold_dn_ - noise_.background_dn); }
 
  private:
   Eigen::Matrix2d SecondMomentsPx2() const;
@@ -60,9 +47,7 @@ class SpotMoments {
   Eigen::Vector2i origin_px_;
   int threshold_dn_;
   PixelNoise noise_;
-  MomentSums light_;  ///< weighted with the brightness above the threshold, DN
-  MomentSums ones_;   ///< weighted with 1
-  std::uint32_t peak_dn_ = 0;
+  LightSums sums_;
 };
 
 }  // namespace adit::detect

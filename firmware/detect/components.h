@@ -20,6 +20,34 @@ struct Run {
   std::uint32_t next = 0;  ///< another run of the same component, or 0
 };
 
+/// The runs of one component, in no particular order: a list through `next`.
+class RunList {
+ public:
+  class Iterator {
+   public:
+    Iterator(const Run* all, std::uint32_t at) : all_(all), at_(at) {}
+    const Run& operator*() const { return all_[at_]; }
+    Iterator& operator++() {
+      at_ = all_[at_].next;
+      return *this;
+    }
+    bool operator!=(const Iterator& other) const { return at_ != other.at_; }
+
+   private:
+    const Run* all_;
+    std::uint32_t at_;
+  };
+
+  /// From the run `first` of `all` on, to the one whose next is 0.
+  RunList(const Run* all, std::uint32_t first) : all_(all), first_(first) {}
+  Iterator begin() const { return {all_, first_}; }
+  Iterator end() const { return {all_, 0}; }
+
+ private:
+  const Run* all_;
+  std::uint32_t first_;
+};
+
 /// What is known of a component without looking at its pixels again.
 struct Component {
   std::uint32_t area_px = 0;
@@ -43,11 +71,7 @@ class Components {
   /// All components, in the order of their first pixels in the image.
   std::span<const Component> All() const { return {components_.data(), component_count_}; }
 
-  /// Calls visit(run) with every run of a component, in no particular order.
-  template <typename Visit>
-  void ForEachRun(const Component& component, const Visit& visit) const {
-    for (std::uint32_t i = component.first_run; i != 0; i = runs_[i].next) visit(runs_[i]);
-  }
+  RunList RunsOf(const Component& component) const { return {runs_.data(), component.first_run}; }
 
  private:
   bool ReadRows(const base::ImageView& image, const Window& window, int threshold);

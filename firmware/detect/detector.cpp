@@ -89,8 +89,9 @@ bool Detector::State::Measure(const base::ImageView& image, const Component& com
                               const PixelNoise& noise, BlobSet& out) const {
   const Component& c = component;
   const auto threshold_dn = static_cast<int>(out.threshold_dn);
-  SpotMoments spot({c.x_min_px, c.y_min_px}, threshold_dn, noise);
-  components.ForEachRun(c, [&](const Run& run) { spot.Take(image, run); });
+  const Eigen::Vector2i origin_px(c.x_min_px, c.y_min_px);
+  const SpotMoments spot(SumLight(image, components.RunsOf(c), origin_px, threshold_dn), origin_px,
+                         threshold_dn, noise);
   const Eigen::Vector2d sigmas_px = spot.SigmasPx();
   const double full_dn = (1 << image.bits) - 1;
   if (!(sigmas_px.x() <= kLongestPair * sigmas_px.y())) return false;

@@ -29,6 +29,11 @@ double ValueAt(const cv::Mat& image, int x, int y) {
   return image.elemSize() == 1 ? image.at<std::uint8_t>(y, x) : image.at<std::uint16_t>(y, x);
 }
 
+SpotMoments MomentsOf(const cv::Mat& image, const adit::detect::RunList& runs,
+                      const Eigen::Vector2i& origin_px, int threshold) {
+  return {adit::detect::SumLight(ViewOf(image), runs, origin_px, threshold), origin_px, threshold, kNoise};
+}
+
 /// A component by both ways: the room's sums, and a picture of its weights for OpenCV.
 struct Pair {
   SpotMoments moments;
@@ -41,15 +46,15 @@ std::vector<Pair> PairsOf(const cv::Mat& image, int threshold) {
   CHECK(components->Segment(ViewOf(image), WholeOf(ViewOf(image)), threshold));
   std::vector<Pair> pairs;
   for (const auto& c : components->All()) {
-    Pair& pair = pairs.emplace_back(
-        Pair{{{c.x_min_px, c.y_min_px}, threshold, kNoise}, cv::Mat::zeros(image.size(), CV_64F)});
-    components->ForEachRun(c, [&](const Run& run) {
-      pair.moments.Take(ViewOf(image), run);
+    const adit::detect::RunList runs = components->RunsOf(c);
+    Pair& pair = pairs.emplace_back(Pair{MomentsOf(image, runs, {c.x_min_px, c.y_min_px}, threshold),
+                                         cv::Mat::zeros(image.size(), CV_64F)});
+    for (const Run& run : runs) {
       for (int x = run.begin_px; x < run.end_px; ++x) {
         pair.weights.at<double>(run.y_px, x) = ValueAt(image, x, run.y_px) - threshold;
         pair.peak_dn = std::max(pair.peak_dn, ValueAt(image, x, run.y_px));
       }
-    });
+    }
   }
   return pairs;
 }
@@ -126,14 +131,16 @@ TEST(SpotMoments, DoNotDependOnTheirOriginOrTheOrderOfTheRuns) {
   Components components;
   CHECK(components.Segment(ViewOf(image), WholeOf(ViewOf(image)), kThreshold));
   LONGS_EQUAL(1, components.All().size());
-  SpotMoments near({11, 12}, kThreshold, kNoise), far({-300, 700}, kThreshold, kNoise);
-  std::vector<Run> runs;
-  components.ForEachRun(components.All()[0], [&](const Run& run) { runs.push_back(run); });
-  CHECK(runs.size() > 10);
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    near.Take(ViewOf(image), runs[i]);
-    far.Take(ViewOf(image), runs[runs.size() - 1 - i]);
+  const adit::detect::RunList runs = components.RunsOf(components.All()[0]);
+  std::vector<Run> backwards{Run{}};
+  for (const Run& run : runs) {
+    backwards.push_back(run);
+    backwards.back().next = static_cast<std::uint32_t>(backwards.size() - 2);
   }
+  CHECK(backwards.size() > 10);
+  const SpotMoments near = MomentsOf(image, runs, {11, 12}, kThreshold);
+  const SpotMoments far = MomentsOf(
+      image, {backwards.data(), static_cast<std::uint32_t>(backwards.size() - 1)}, {-300, 700}, kThreshold);
   CHECK((near.CentroidPx() - far.CentroidPx()).norm() < 1e-9);
   CHECK((near.CovariancePx2() - far.CovariancePx2()).norm() < 1e-6 * near.CovariancePx2().norm());
   CHECK((near.SigmasPx() - far.SigmasPx()).norm() < 1e-6);

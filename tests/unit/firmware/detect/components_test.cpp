@@ -125,14 +125,14 @@ TEST(Components, TheirRunsAreTheirPixelsEachOnce_Seeds4To6) {
     for (const auto& c : components->All()) {
       int label = 0;
       std::uint32_t area_px = 0;
-      components->ForEachRun(c, [&](const Run& run) {
+      for (const Run& run : components->RunsOf(c)) {
         if (label == 0) label = labels.at<int>(run.y_px, run.begin_px);
         for (int x = run.begin_px; x < run.end_px; ++x) {
           LONGS_EQUAL(label, labels.at<int>(run.y_px, x));
           ++seen.at<int>(run.y_px, x);
           ++area_px;
         }
-      });
+      }
       LONGS_EQUAL(c.area_px, area_px);
     }
     CHECK(cv::countNonZero((seen == 1) != (image > kThreshold)) == 0);

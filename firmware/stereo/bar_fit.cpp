@@ -186,7 +186,7 @@ std::optional<BarFit> FitBar(const Views& views, const base::Target& target,
     apart << second.centre_b_m - fit.bar.centre_b_m,
         TangentOf(fit.bar.direction_b).transpose() * (second.direction_b - fit.bar.direction_b);
   }
-  fit.covariance = minimum.information.inverse() + share * apart * apart.transpose();
+  fit.covariance = base::InversePositive(minimum.information) + share * apart * apart.transpose();
   if (!fit.covariance.allFinite()) return std::nullopt;
   fit.tangent = TangentOf(fit.bar.direction_b);
   BarProblem::Jacobian unused;
@@ -211,15 +211,13 @@ double ChiSquare(const Views& views, const base::Target& target, const BarObserv
     // A larger bar: each LED moves out along the direction. by_bar's first three columns are by the point.
     by_all.block<4, 1>(row, 7) = by_bar.block<4, 3>(row, 0) * fit.bar.direction_b * problem.offset_m[i];
   }
-  // lazyProduct, here and in Minimise: for factors this small Eigen's blocked product costs more than it
-  // saves.
-  Eigen::Matrix<double, kColumns, kColumns> normal = by_all.transpose().lazyProduct(by_all);
+  Eigen::Matrix<double, kColumns, kColumns> normal = base::Normal(by_all);
   const auto prior = [](double sigma) { return 1 / (sigma * sigma); };
   normal(5, 5) += prior(allowance.right_image_px);
   normal(6, 6) += prior(allowance.right_image_px);
   normal(7, 7) += prior(allowance.scale);
-  const Eigen::Matrix<double, kColumns, 1> b = by_all.transpose() * residuals;
-  return residuals.squaredNorm() - b.dot(normal.ldlt().solve(b));
+  const Eigen::Matrix<double, kColumns, 1> b = by_all.transpose().lazyProduct(residuals);
+  return residuals.squaredNorm() - base::MahalanobisSquared(normal, b);
 }
 
 }  // namespace adit::stereo

@@ -18,10 +18,11 @@ namespace {
 constexpr int kMaxBuilds = 60;
 
 LocatedPoint ExpectedPoint(const Expectation& expected, double place_m) {
-  Eigen::Matrix<double, 3, 6> by_state;
-  by_state << Matrix3d::Identity(), place_m * Matrix3d::Identity();
-  return {expected.led1_b_m + place_m * expected.direction_b,
-          by_state * expected.covariance * by_state.transpose()};
+  const Matrix3d mixed = expected.covariance.topRightCorner<3, 3>();
+  return {
+      expected.led1_b_m + place_m * expected.direction_b,
+      expected.covariance.topLeftCorner<3, 3>() +
+          place_m * (mixed + mixed.transpose() + place_m * expected.covariance.bottomRightCorner<3, 3>())};
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 // Levenberg-Marquardt for small problems of fixed size: no heap.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
+
+#include "firmware/base/symmetric.h"
 
 namespace adit::stereo {
 
@@ -40,10 +41,11 @@ Minimum<Problem::kParameters> Minimise(const Problem& problem, typename Problem:
   minimum.cost = residuals.squaredNorm();
   double damping = 1e-6;
   for (int step_count = 0; step_count < kStepsMax; ++step_count) {
-    minimum.information = jacobian.transpose().lazyProduct(jacobian);
+    minimum.information = base::Normal(jacobian);
     auto damped = minimum.information;
     damped.diagonal() *= 1 + damping;
-    const Step step = damped.ldlt().solve(-jacobian.transpose() * residuals);
+    const Step downhill = -jacobian.transpose().lazyProduct(residuals);
+    const Step step = base::SolvePositive(damped, downhill);
     if (!step.allFinite()) return minimum;
     // With much damping every step is short; that says nothing.
     const bool short_step = damping < 1 && step.dot(minimum.information * step) < kShortStep;
@@ -60,7 +62,7 @@ Minimum<Problem::kParameters> Minimise(const Problem& problem, typename Problem:
       damping *= 10;
     }
     if (short_step) {
-      minimum.information = jacobian.transpose().lazyProduct(jacobian);
+      minimum.information = base::Normal(jacobian);
       minimum.converged = true;
       return minimum;
     }

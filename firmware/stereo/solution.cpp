@@ -81,11 +81,12 @@ std::optional<Solution> Solver::Solve(const base::Target& target, const BarObser
   for (std::size_t i = 0; i < kLedCount; ++i) {
     if (!SeenInBoth(observations[i])) continue;
     const auto located = Triangulate(views_, observations[i]);
+    if (!located) return std::nullopt;
     // The same place with the noise that the gates believe.
-    const auto wider = TriangulateMidpoint(views_, observations[i], options_.centroid_floor_px);
-    if (!located || !wider) return std::nullopt;
+    const auto wider = LocatedAt(views_, observations[i], located->point_b_m, options_.centroid_floor_px);
+    if (!wider) return std::nullopt;
     points[i] = *located;
-    gated[i] = {located->point_b_m, wider->covariance_m2};
+    gated[i] = *wider;
     leds_b_m[i] = located->point_b_m;
   }
   const auto fit = FitBar(views_, target, observations, leds_b_m);

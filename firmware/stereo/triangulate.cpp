@@ -1,54 +1,60 @@
 #include "firmware/stereo/triangulate.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 
-#include "firmware/stereo/levenberg_marquardt.h"
+#include "firmware/base/symmetric.h"
 
 namespace adit::stereo {
 
-using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 namespace {
 
-/// Four whitened reprojection residuals of one point.
-struct PointProblem {
-  static constexpr int kParameters = 3, kResiduals = 4;
-  using State = Vector3d;
-  const Views* views;
-  std::array<Eigen::Vector2d, 2> px;
-  std::array<Eigen::Matrix2d, 2> whiteners;
-
-  PointProblem(const Views& both, const ObservationPair& pair, double floor_px)
-      : views(&both),
-        px{pair[0].px, pair[1].px},
-        whiteners{pair[0].Whitener(floor_px), pair[1].Whitener(floor_px)} {}
-
-  bool Evaluate(const State& point_m, Eigen::Vector4d& residuals,
-                Eigen::Matrix<double, 4, 3>& jacobian) const {
-    for (int side = 0; side < 2; ++side) {
-      const auto s = static_cast<std::size_t>(side);
-      Eigen::Vector2d seen;
-      Eigen::Matrix<double, 2, 3> slope;
-      if (!(*views)[s].Project(point_m, seen, slope)) return false;
-      residuals.segment<2>(2 * side) = whiteners[s] * (seen - px[s]);
-      jacobian.middleRows<2>(2 * side) = whiteners[s] * slope;
-    }
-    return true;
-  }
-  State Moved(const State& point_m, const Vector3d& step) const { return point_m + step; }
+/// How far the two rays pass each other, as the volume that base and rays span, by the four coordinates.
+struct Miss {
+  double volume;
+  std::array<Vector2d, 2> slope;
 };
 
-std::optional<LocatedPoint> WithCovariance(const Vector3d& point_m, const Matrix3d& information) {
-  LocatedPoint located{point_m, information.inverse()};
-  const double distance_m = point_m.norm();
-  const double limit_m2 = kDepthSigmaMax * kDepthSigmaMax * distance_m * distance_m;
-  // The trace bounds the variance in every direction; written so that NaN declines.
-  const double variance_m2 = located.covariance_m2.trace();
-  if (!(variance_m2 >= 0 && variance_m2 <= limit_m2)) return std::nullopt;
-  return located;
+Miss MissOf(const Views& views, const Vector3d& base_m, const std::array<Vector2d, 2>& px) {
+  const Vector3d a = views[0].Ray(px[0]), b = views[1].Ray(px[1]);
+  const Vector3d by_a = b.cross(base_m), by_b = base_m.cross(a);
+  const auto by_px = [](const View& view, const Vector3d& by_ray) {
+    return Vector2d(view.rotation.row(0).dot(by_ray) / view.fu_px,
+                    view.rotation.row(1).dot(by_ray) / view.fv_px);
+  };
+  return {a.dot(by_a), {by_px(views[0], by_a), by_px(views[1], by_b)}};
+}
+
+/// The centroids whose rays meet, nearest to the measured ones by their covariances.
+std::optional<std::array<Vector2d, 2>> Corrected(const Views& views, const ObservationPair& pair) {
+  constexpr int kStepsMax = 10;
+  constexpr double kShortStep = 1e-8;  // squared, in standard deviations
+  const Vector3d base_m = views[1].CentreM() - views[0].CentreM();
+  std::array<Vector2d, 2> px{pair[0].px, pair[1].px};
+  double before = 0;
+  for (int i = 0; i < kStepsMax; ++i) {
+    const Miss miss = MissOf(views, base_m, px);
+    std::array<Vector2d, 2> along;  // the covariances times the slopes
+    double variance = 0, volume = miss.volume;
+    for (std::size_t s = 0; s < 2; ++s) {
+      along[s] = pair[s].covariance_px2 * miss.slope[s] + kNoiseMinPx * kNoiseMinPx * miss.slope[s];
+      variance += miss.slope[s].dot(along[s]);
+      volume += miss.slope[s].dot(pair[s].px - px[s]);
+    }
+    // Written so that NaN declines.
+    if (!(variance > 0)) return std::nullopt;
+    const double move = volume / variance;
+    for (std::size_t s = 0; s < 2; ++s) px[s] = pair[s].px - move * along[s];
+    const double deviations = volume * move;
+    if (std::abs(deviations - before) < kShortStep) return px;
+    before = deviations;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -65,23 +71,33 @@ std::optional<Vector3d> Midpoint(const Views& views, const Vector2d& left_px, co
   return views[0].CentreM() + 0.5 * (ra * a + base_m + rb * b);
 }
 
-std::optional<LocatedPoint> Triangulate(const Views& views, const ObservationPair& pair, double floor_px) {
-  const auto start = Midpoint(views, pair[0].px, pair[1].px);
-  if (!start) return std::nullopt;
-  Vector3d point_m = *start;
-  const auto minimum = Minimise(PointProblem(views, pair, floor_px), point_m);
-  if (!minimum.converged) return std::nullopt;
-  return WithCovariance(point_m, minimum.information);
+std::optional<LocatedPoint> LocatedAt(const Views& views, const ObservationPair& pair,
+                                      const Vector3d& point_b_m, double floor_px) {
+  Eigen::Matrix<double, 4, 3> jacobian;
+  for (std::size_t s = 0; s < 2; ++s) {
+    Vector2d px;
+    Eigen::Matrix<double, 2, 3> slope;
+    if (!views[s].Project(point_b_m, px, slope)) return std::nullopt;
+    jacobian.middleRows<2>(2 * static_cast<Eigen::Index>(s)) = pair[s].Whitener(floor_px).lazyProduct(slope);
+  }
+  LocatedPoint located{point_b_m, base::Normal(jacobian).inverse()};
+  const double limit_m2 = kDepthSigmaMax * kDepthSigmaMax * point_b_m.squaredNorm();
+  // The trace bounds the variance in every direction; written so that NaN declines.
+  const double variance_m2 = located.covariance_m2.trace();
+  if (!(variance_m2 >= 0 && variance_m2 <= limit_m2)) return std::nullopt;
+  return located;
+}
+
+std::optional<LocatedPoint> Triangulate(const Views& views, const ObservationPair& pair) {
+  const auto px = Corrected(views, pair);
+  const auto point_m = px ? Midpoint(views, (*px)[0], (*px)[1]) : std::nullopt;
+  return point_m ? LocatedAt(views, pair, *point_m) : std::nullopt;
 }
 
 std::optional<LocatedPoint> TriangulateMidpoint(const Views& views, const ObservationPair& pair,
                                                 double floor_px) {
   const auto point_m = Midpoint(views, pair[0].px, pair[1].px);
-  if (!point_m) return std::nullopt;
-  Eigen::Vector4d residuals;
-  Eigen::Matrix<double, 4, 3> jacobian;
-  if (!PointProblem(views, pair, floor_px).Evaluate(*point_m, residuals, jacobian)) return std::nullopt;
-  return WithCovariance(*point_m, jacobian.transpose() * jacobian);
+  return point_m ? LocatedAt(views, pair, *point_m, floor_px) : std::nullopt;
 }
 
 }  // namespace adit::stereo

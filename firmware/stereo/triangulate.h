@@ -17,18 +17,22 @@ struct LocatedPoint {
 /// practical purposes: linear propagation ends, and so does trust.
 inline constexpr double kDepthSigmaMax = 0.05;
 
-/// The point that reprojects best: from the rays' midpoint by Levenberg-Marquardt on the reprojection error
-/// weighted by the covariances. (The thesis starts by SVD; the minimum is the same, and the SVD was 40 % of
-/// the stage's time.) The covariance is the inverse of the normal matrix. `floor_px` is added to the
-/// centroids' noise in quadrature. Declines rays that are nearly parallel or meet behind a camera, and what
-/// does not converge.
-std::optional<LocatedPoint> Triangulate(const Views& views, const ObservationPair& pair, double floor_px = 0);
+/// The point that reprojects best, by the centroids' covariances: these are moved as little as makes their
+/// rays meet (first-order corrections until none is left, Kanatani 1996, 6.2 and Lindstrom 2010), and the
+/// point is where they do. Its covariance is that of LocatedAt. Declines rays that are nearly parallel or
+/// meet behind a camera, and what does not converge.
+std::optional<LocatedPoint> Triangulate(const Views& views, const ObservationPair& pair);
+
+/// The point with the covariance that centroids there give it, the inverse of the normal matrix. `floor_px`
+/// is added to their noise in quadrature. Declines points behind a camera and those of nearly parallel rays.
+std::optional<LocatedPoint> LocatedAt(const Views& views, const ObservationPair& pair,
+                                      const Eigen::Vector3d& point_b_m, double floor_px = 0);
 
 /// The midpoint of the rays' closest approach. Declines rays that are parallel; it may be behind a camera.
 std::optional<Eigen::Vector3d> Midpoint(const Views& views, const Eigen::Vector2d& left_px,
                                         const Eigen::Vector2d& right_px);
 
-/// The midpoint of the rays' closest approach with its covariance: what a search needs, a tenth of the cost.
+/// The midpoint of the rays' closest approach with its covariance: what a search needs.
 /// Declines as Triangulate does.
 std::optional<LocatedPoint> TriangulateMidpoint(const Views& views, const ObservationPair& pair,
                                                 double floor_px = 0);

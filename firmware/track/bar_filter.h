@@ -35,6 +35,8 @@ class BarFilter {
   base::TimeNs ExposureNs() const { return exposure_ns_; }
   /// With the covariance of the bar at ExposureNs().
   BarPlace Place() const;
+  /// Trace of the point's covariance.
+  double PointVarianceM2() const { return covariance_.topLeftCorner<3, 3>().trace(); }
   const Eigen::Vector3d& VelocityMPerS() const { return velocity_m_per_s_; }
   /// Of (p, theta, v, u).
   using Covariance = Eigen::Matrix<double, 10, 10>;

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 
-#include "firmware/base/symmetric.h"
 #include "firmware/base/target.h"
 #include "firmware/stereo/point_set.h"
 
@@ -18,9 +17,14 @@ struct BarPlace {
 
   /// The same bar by its point `along_m` further towards LED 4.
   BarPlace Moved(double along_m) const {
-    Eigen::Matrix<double, 6, 6> by_place = Eigen::Matrix<double, 6, 6>::Identity();
-    by_place.topRightCorner<3, 3>() = along_m * Eigen::Matrix3d::Identity();
-    return {point_b_m + along_m * direction_b, direction_b, base::Congruence(by_place, covariance)};
+    BarPlace moved{point_b_m + along_m * direction_b, direction_b, covariance};
+    // (1 a; 0 1) times the covariance times its transpose, block by block.
+    const Eigen::Matrix3d across = along_m * covariance.bottomRightCorner<3, 3>();
+    const Eigen::Matrix3d mixed = covariance.topRightCorner<3, 3>();
+    moved.covariance.topLeftCorner<3, 3>() += along_m * (mixed + mixed.transpose() + across);
+    moved.covariance.topRightCorner<3, 3>() += across;
+    moved.covariance.bottomLeftCorner<3, 3>() += across.transpose();
+    return moved;
   }
 };
 

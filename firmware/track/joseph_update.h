@@ -18,7 +18,7 @@ Eigen::Matrix<double, kState, 1> TakeIn(const Eigen::Matrix<double, kMeasured, k
   const Eigen::Matrix<double, kMeasured, kState> h_p = h.lazyProduct(covariance.template topRows<kLeading>());
   const Eigen::Matrix<double, kMeasured, kMeasured> s =
       h_p.template leftCols<kLeading>().lazyProduct(h.transpose()) + noise;
-  const Eigen::Matrix<double, kMeasured, kState> gain = base::SolveSymmetric(s, h_p);  // transposed
+  const Eigen::Matrix<double, kMeasured, kState> gain = base::SolvePositive(s, h_p);  // transposed
   // (1 - K H) P first; what is left of Joseph's form is that - (that Hᵀ - K R) Kᵀ.
   covariance -= gain.transpose().lazyProduct(h_p);
   const Eigen::Matrix<double, kState, kMeasured> beyond =

@@ -62,7 +62,7 @@ bool Tracker::Fits(const std::optional<BarFilter>& filter, const BarPlace& measu
 /// Whether the measurement is believed.
 bool Tracker::Take(Trail& trail, base::TimeNs exposure_ns, const BarPlace& measured) const {
   const bool fits = Fits(trail.filter, measured);
-  const bool locked = LockedAt(trail, exposure_ns).has_value();
+  const bool locked = trail.filter && IsLocked(trail, *trail.filter);
   const bool fits_rival = Fits(trail.rival, measured);
   if (!fits && locked && !fits_rival) {
     trail.rival.emplace(options_.motion, exposure_ns, measured);
@@ -141,15 +141,19 @@ void Tracker::Track(const stereo::PointSet& points, TargetStateSet& out) {
   for (BodyTrack& body : bodies_) out.targets.push_back(body.Track(points, out));
 }
 
+/// Whether the target of the trail is locked when its filter has come to `filter`.
+bool Tracker::IsLocked(const Trail& trail, const BarFilter& filter) const {
+  const MotionOptions& motion = options_.motion;
+  return trail.confirmed && filter.ExposureNs() - trail.measured_ns <= motion.coast_max_ns &&
+         filter.PointVarianceM2() <= motion.sigma_max_m * motion.sigma_max_m;
+}
+
 /// The filter at that time, if its target is locked then.
 std::optional<BarFilter> Tracker::LockedAt(const Trail& trail, base::TimeNs exposure_ns) const {
-  const MotionOptions& motion = options_.motion;
-  if (!trail.filter || !trail.confirmed || exposure_ns < trail.filter->ExposureNs()) return std::nullopt;
-  if (exposure_ns - trail.measured_ns > motion.coast_max_ns) return std::nullopt;
+  if (!trail.filter || exposure_ns < trail.filter->ExposureNs()) return std::nullopt;
   BarFilter filter = *trail.filter;
   filter.Advance(exposure_ns);
-  const double variance_m2 = filter.Place().covariance.topLeftCorner<3, 3>().trace();
-  if (!(variance_m2 <= motion.sigma_max_m * motion.sigma_max_m)) return std::nullopt;
+  if (!IsLocked(trail, filter)) return std::nullopt;
   return filter;
 }
 
@@ -159,9 +163,9 @@ void Tracker::Expect(base::TimeNs exposure_ns, stereo::ExpectationSet& out) cons
     const Trail& trail = trails_[i];
     const bool is_later = trail.filter && exposure_ns > trail.filter->ExposureNs();
     if (!is_later || exposure_ns - trail.measured_ns > options_.motion.coast_max_ns) continue;
-    const bool locked = LockedAt(trail, exposure_ns).has_value();
     BarFilter filter = *trail.filter;
     filter.Advance(exposure_ns);
+    const bool locked = IsLocked(trail, filter);
     const BarPlace led1 = filter.Place().Moved(-trail.centre_m);
     out[i] = {locked,          !locked,      !locked && trail.confirmed, led1.point_b_m, led1.direction_b,
               led1.covariance, trail.flux_dn};

@@ -65,6 +65,7 @@ class Tracker {
   bool Take(Trail& trail, base::TimeNs exposure_ns, const BarPlace& measured) const;
   void TakeFlux(Trail& trail, const stereo::TargetPoints& measured) const;
   bool Fits(const std::optional<BarFilter>& filter, const BarPlace& measured) const;
+  bool IsLocked(const Trail& trail, const BarFilter& filter) const;
   std::optional<BarFilter> LockedAt(const Trail& trail, base::TimeNs exposure_ns) const;
   stereo::TargetPoints Judge(Trail& trail, base::TimeNs exposure_ns,
                              const stereo::TargetPoints& measured) const;

@@ -9,8 +9,11 @@
 #include <CppUTest/TestHarness.h>
 
 using adit::base::Congruence;
+using adit::base::InversePositive;
 using adit::base::InverseSymmetric;
 using adit::base::MahalanobisSquared;
+using adit::base::Normal;
+using adit::base::SolvePositive;
 using adit::base::SolveSymmetric;
 
 namespace {
@@ -63,7 +66,18 @@ TEST(Symmetric, TheSolutionSolves) {
     const Square s = Covariance(random);
     const Eigen::Matrix<double, kSize, 4> b = s * Random<kSize, 4>(random);
     CHECK((s * SolveSymmetric(s, b) - b).norm() <= 1e-12 * b.norm());
+    CHECK((s * SolvePositive(s, b) - b).norm() <= 1e-12 * b.norm());
+    CHECK((s * InversePositive(s) - Square::Identity()).cwiseAbs().maxCoeff() <= 1e-9);
     CHECK((s * InverseSymmetric(s) - Square::Identity()).cwiseAbs().maxCoeff() <= 1e-9);
+  }
+}
+
+TEST(Symmetric, NormalIsTheMatrixOfTheColumnsProducts) {
+  std::mt19937 random(kSeed);
+  const auto j = Random<16, 5>(random);
+  const Eigen::Matrix<double, 5, 5> normal = Normal(j);
+  for (int a = 0; a < 5; ++a) {
+    for (int b = 0; b < 5; ++b) DOUBLES_EQUAL(j.col(a).dot(j.col(b)), normal(a, b), 1e-12);
   }
 }
 
@@ -86,6 +100,7 @@ TEST(Symmetric, WhatIsNotPositiveHasNoInverse) {
   unknown(4, 4) = std::nan("");
   for (const Square& s : {flat, negative, unknown}) {
     CHECK(InverseSymmetric(s).array().isNaN().all());
+    CHECK(InversePositive(s).array().isNaN().all());
     CHECK(std::isnan(MahalanobisSquared(s, Column::Ones().eval())));
   }
 }
@@ -111,7 +126,8 @@ TEST(Symmetric, TakesNoHeap) {
   const Eigen::Matrix<double, 5, 5> s = Congruence(h, p);
   const Eigen::Matrix<double, 5, 12> x = SolveSymmetric(s, h);
   const Eigen::Matrix<double, 12, 12> inverse = InverseSymmetric(p);
-  const double distance = MahalanobisSquared(s, Eigen::Matrix<double, 5, 1>(x.col(0)));
+  const Eigen::Matrix<double, 5, 12> plain = SolvePositive(s, h);
+  const double distance = MahalanobisSquared(s, Eigen::Matrix<double, 5, 1>(x.col(0) + plain.col(0)));
   UNSIGNED_LONGS_EQUAL(0, adit::support::AllocationCount() - before);
   CHECK(std::isfinite(distance + inverse(0, 0)));
 }

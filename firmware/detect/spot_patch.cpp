@@ -16,22 +16,25 @@ namespace {
 /// read.
 template <typename Pixel, int kVectors>
 ADIT_INLINE void CopyVectors(const base::ImageView& image, float threshold_dn, SpotPatch& patch) {
-  constexpr int kCount = kVectors * kFloatLanes;
   const std::ptrdiff_t first_byte =
       static_cast<std::ptrdiff_t>(sizeof(Pixel)) * (patch.x_px - patch.reach_x_px);
   const std::uint8_t* from = image.Row(patch.y_px - patch.reach_y_px) + first_byte;
   float* to = patch.value_dn.data();
-  std::array<int, kCount> bright{};
+  std::array<Ints, kVectors> bright;  // counted downwards: what is true is -1
+  bright.fill(Ints{});
   for (int row = patch.HeightPx(); row > 0; --row, from += image.stride_bytes, to += SpotPatch::kRowFloats) {
-    std::array<Pixel, kCount> pixels;
-    std::memcpy(pixels.data(), from, sizeof(pixels));
-    for (std::size_t i = 0; i < kCount; ++i) {
-      const auto value = static_cast<float>(pixels[i]);
-      to[i] = value, bright[i] += value > threshold_dn ? 1 : 0;
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      std::array<Pixel, kFloatLanes> p;
+      std::memcpy(p.data(), from + v * sizeof(p), sizeof(p));
+      const Floats value =
+          __builtin_convertvector(Ints{p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]}, Floats);
+      std::memcpy(to + v * kFloatLanes, &value, sizeof(value));
+      bright[v] += value > threshold_dn;
     }
   }
   patch.bright_px = 0;
-  for (int x = 0; x < patch.WidthPx(); ++x) patch.bright_px += bright[static_cast<std::size_t>(x)];
+  for (std::size_t x = 0; x < static_cast<std::size_t>(patch.WidthPx()); ++x)
+    patch.bright_px -= bright[x / kFloatLanes][x % kFloatLanes];
 }
 
 /// The same where vectors would reach beyond the row.

@@ -28,7 +28,8 @@ ADIT_INLINE WindowSums SumUp(const SpotPatch& patch, const WindowShape& w) {
   const int rows = patch.HeightPx();
   const Floats end = Floats{} + static_cast<float>(patch.WidthPx());
   FloatsRow down;
-  std::array<Floats, kCount> dx, weight, ratio, g{}, gy{}, gyy{};
+  std::array<Floats, kCount> dx, weight, ratio, g, gy, gyy;
+  g.fill(Floats{}), gy.fill(Floats{}), gyy.fill(Floats{});
   for (std::size_t v = 0; v < kCount; ++v) {
     const Floats place = kLaneIndex + static_cast<float>(v * kFloatLanes);
     const Floats inside = place < end ? place : end;  // beyond the edge the weight is 0

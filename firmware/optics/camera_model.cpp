@@ -63,8 +63,8 @@ std::optional<Vector2d> CameraModel::Undistort(const Vector2d& raw_px, Matrix2d*
       // A second solution beyond the fold is no ray that the lens images.
       if (!(ideal.squaredNorm() < FoldRadius2(*this))) return std::nullopt;
       if (jacobian != nullptr) {
-        Distort(ideal, &slope);
-        // d ideal_px / d raw_px = F (d distorted / d ideal)^-1 F^-1 with F = diag(fu, fv)
+        // The last step was too short to change the slope. d ideal_px / d raw_px = F (d distorted / d
+        // ideal)^-1 F^-1 with F = diag(fu, fv)
         *jacobian = slope.inverse();
         (*jacobian)(0, 1) *= fu_px / fv_px;
         (*jacobian)(1, 0) *= fv_px / fu_px;

@@ -14,8 +14,8 @@ namespace adit::detect {
 namespace {
 
 // 2800 samples of 1400 x 1024: the median is good to 0.024 sigma. Few rows, because each lies in another page
-// of memory: 32 of them took four times as long.
-constexpr int kRows = 8, kColumnStep = 4;
+// of memory, and of these every fourth piece: a row as a whole is twice as many lines of memory.
+constexpr int kRows = 8, kPiecePx = 32, kPieceStep = 4;
 constexpr std::size_t kByteLevels = 256, kWideLevels = 4096;  // 12 bit; what is brighter counts as brightest
 constexpr double kLowQuantile = 0.1587;  // of a normal distribution, one sigma below the mean
 
@@ -37,23 +37,25 @@ Background Estimate(std::span<const std::uint32_t> histogram) {
   return {level_dn, std::max(0.0, level_dn - Quantile(histogram, count, kLowQuantile))};
 }
 
-/// Calls visit(row, first column) for the rows that are looked at.
+/// Calls visit(first pixel, count) for the pieces of rows that are looked at: no column is left out by all.
 template <typename Visit>
-void ForEachRow(const base::ImageView& image, const Visit& visit) {
-  for (int r = 0; r < kRows; ++r)
-    visit(image.Row((2 * r + 1) * image.height_px / (2 * kRows)), r % kColumnStep % image.width_px);
+void ForEachPiece(const base::ImageView& image, const Visit& visit) {
+  for (int r = 0; r < kRows; ++r) {
+    const std::uint8_t* const row = image.Row((2 * r + 1) * image.height_px / (2 * kRows));
+    for (int x = r % kPieceStep * kPiecePx; x < image.width_px; x += kPieceStep * kPiecePx)
+      visit(row + std::ptrdiff_t{x} * image.BytesPerPixel(), std::min(kPiecePx, image.width_px - x));
+  }
 }
 
 /// Neighbours are mostly of one level: counted in four histograms in turn, none waits for the one before.
 Background EstimateBytes(const base::ImageView& image) {
-  constexpr std::size_t kLanes = 4;
+  constexpr int kLanes = 4;
   std::array<std::array<std::uint32_t, kByteLevels>, kLanes> lanes{};
-  ForEachRow(image, [&](const std::uint8_t* row, int x) {
-    constexpr int kStep = kColumnStep * static_cast<int>(kLanes);
-    for (; x + kStep - kColumnStep < image.width_px; x += kStep) {
-      for (std::size_t i = 0; i < kLanes; ++i) ++lanes[i][row[x + kColumnStep * static_cast<int>(i)]];
+  ForEachPiece(image, [&](const std::uint8_t* pixels, int count) {
+    for (; count >= kLanes; count -= kLanes, pixels += kLanes) {
+      for (std::size_t i = 0; i < kLanes; ++i) ++lanes[i][pixels[i]];
     }
-    for (; x < image.width_px; x += kColumnStep) ++lanes[0][row[x]];
+    for (; count > 0; --count) ++lanes[0][*pixels++];
   });
   for (std::size_t level = 0; level < kByteLevels; ++level)
     lanes[0][level] += lanes[1][level] + lanes[2][level] + lanes[3][level];
@@ -62,10 +64,9 @@ Background EstimateBytes(const base::ImageView& image) {
 
 Background EstimateWide(const base::ImageView& image) {
   std::array<std::uint32_t, kWideLevels> histogram{};
-  ForEachRow(image, [&](const std::uint8_t* row, int x) {
-    for (; x < image.width_px; x += kColumnStep) {
-      std::uint16_t value = 0;
-      std::memcpy(&value, row + std::ptrdiff_t{2} * x, sizeof(value));
+  ForEachPiece(image, [&](const std::uint8_t* pixels, int count) {
+    for (std::uint16_t value = 0; count > 0; --count, pixels += sizeof(value)) {
+      std::memcpy(&value, pixels, sizeof(value));
       ++histogram[std::min<std::size_t>(value, kWideLevels - 1)];
     }
   });
@@ -74,10 +75,13 @@ Background EstimateWide(const base::ImageView& image) {
 
 }  // namespace
 
-Background EstimateBackground(const base::ImageView& image) {
-  ForEachRow(image, [&](const std::uint8_t* row, int) {
-    base::Prefetch(row, std::ptrdiff_t{image.width_px} * image.BytesPerPixel());
+void FetchBackground(const base::ImageView& image) {
+  ForEachPiece(image, [&](const std::uint8_t* pixels, int count) {
+    base::Prefetch(pixels, std::ptrdiff_t{count} * image.BytesPerPixel());
   });
+}
+
+Background EstimateBackground(const base::ImageView& image) {
   return image.BytesPerPixel() == 1 ? EstimateBytes(image) : EstimateWide(image);
 }
 

@@ -157,6 +157,7 @@ void Detector::Detect(const base::CameraFrame& frame, const Windows& windows, Bl
     return;
   }
   const double scale = 1 << (image.bits - 8);  // DN of this image per DN at 8 bit
+  FetchBackground(image);
   for (const Window& window : windows) Fetch(image, window);
   const Background background = EstimateBackground(image);
   const double contrast_dn = std::max(kSigmas * background.noise_dn, kLeastContrastDn * scale);

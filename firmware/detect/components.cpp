@@ -73,38 +73,39 @@ bool Components::ReadRows(const base::ImageView& image, const Window& window, in
 }
 
 void Components::Link(std::uint32_t above, std::size_t edges) {
-  for (std::size_t i = 0; i < edges; i += 2) {
-    const auto begin_px = static_cast<std::uint16_t>(x_px_ + edges_[i]);
-    const auto end_px = static_cast<std::uint16_t>(x_px_ + edges_[i + 1]);
-    const std::uint32_t run = run_count_++;
-    runs_[run] = {begin_px, end_px, y_px_, 0, 0};
+  Run* const runs = runs_.data();
+  const Run* up = runs + above;
+  std::uint32_t run = run_count_;
+  for (std::size_t i = 0; i < edges; i += 2, ++run) {
+    const std::uint32_t begin_px = x_px_ + edges_[i], end_px = x_px_ + edges_[i + 1];
     // Diagonal neighbours count: ends are exclusive, so equality touches.
-    while (runs_[above].end_px < begin_px) ++above;
-    if (runs_[above].begin_px > end_px) {
-      runs_[run].component = Open(run);
-      continue;
-    }
-    std::uint32_t component = Root(runs_[above].component);
+    while (up->end_px < begin_px) ++up;
+    const bool joins = up->begin_px <= end_px;
+    std::uint32_t component = joins ? Root(up->component) : component_count_;
     // The last of those that touch may touch the next run too: it stays.
-    while (runs_[above + 1].begin_px <= end_px) component = Join(component, Root(runs_[++above].component));
-    Append(component, run);
+    while (joins && up[1].begin_px <= end_px) component = Join(component, Root((++up)->component));
+    runs[run] = {static_cast<std::uint16_t>(begin_px), static_cast<std::uint16_t>(end_px), y_px_, component,
+                 0};
+    if (joins)
+      Append(component, run);
+    else
+      Open(run);
   }
+  run_count_ = run;
 }
 
-std::uint32_t Components::Open(std::uint32_t run) {
+void Components::Open(std::uint32_t run) {
   const Run& r = runs_[run];
-  const std::uint32_t component = component_count_++;
   const auto last_x_px = static_cast<std::uint16_t>(r.end_px - 1);
   const auto length_px = static_cast<std::uint32_t>(r.end_px - r.begin_px);
-  components_[component] = {length_px, r.begin_px, r.y_px, last_x_px, r.y_px, run, run};
-  parent_[component] = component;
-  return component;
+  components_[component_count_] = {length_px, r.begin_px, r.y_px, last_x_px, r.y_px, run, run};
+  parent_[component_count_] = component_count_;
+  ++component_count_;
 }
 
 void Components::Append(std::uint32_t component, std::uint32_t run) {
-  Run& r = runs_[run];
+  const Run& r = runs_[run];
   Component& c = components_[component];
-  r.component = component;
   runs_[c.last_run].next = run;
   c.last_run = run;
   c.area_px += static_cast<std::uint32_t>(r.end_px - r.begin_px);

@@ -76,7 +76,7 @@ class Components {
  private:
   bool ReadRows(const base::ImageView& image, const Window& window, int threshold);
   void Link(std::uint32_t above, std::size_t edges);
-  std::uint32_t Open(std::uint32_t run);
+  void Open(std::uint32_t run);
   void Append(std::uint32_t component, std::uint32_t run);
   std::uint32_t Join(std::uint32_t a, std::uint32_t b);
   std::uint32_t Root(std::uint32_t component);

@@ -101,11 +101,7 @@ template <int kRows, int kColumns>
 Eigen::Matrix<double, kColumns, kColumns> Normal(const Eigen::Matrix<double, kRows, kColumns>& j) {
   Eigen::Matrix<double, kColumns, kColumns> out;
   for (int a = 0; a < kColumns; ++a) {
-    for (int b = 0; b <= a; ++b) {
-      double sum = 0;
-      for (int i = 0; i < kRows; ++i) sum += j(i, a) * j(i, b);
-      out(a, b) = out(b, a) = sum;
-    }
+    for (int b = 0; b <= a; ++b) out(a, b) = out(b, a) = j.col(a).dot(j.col(b));
   }
   return out;
 }

@@ -158,9 +158,9 @@ std::optional<BarFilter> Tracker::LockedAt(const Trail& trail, base::TimeNs expo
 }
 
 void Tracker::Expect(base::TimeNs exposure_ns, stereo::ExpectationSet& out) const {
-  out = {};
   for (std::size_t i = 0; i < trails_.size(); ++i) {
     const Trail& trail = trails_[i];
+    out[i] = {};
     const bool is_later = trail.filter && exposure_ns > trail.filter->ExposureNs();
     if (!is_later || exposure_ns - trail.measured_ns > options_.motion.coast_max_ns) continue;
     BarFilter filter = *trail.filter;

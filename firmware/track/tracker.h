@@ -41,7 +41,7 @@ class Tracker {
 
   /// Where each target is expected in a pair that is exposed after the last one tracked; only locked targets
   /// are, and bars of a body that the other bars hold in its place. Of others it says where they were seen,
-  /// if that is recent.
+  /// if that is recent. What `out` holds beyond the targets stays.
   void Expect(base::TimeNs exposure_ns, stereo::ExpectationSet& out) const;
 
   /// The epicenter at `time_ns`, by the filter: between two pairs, or when a machine gets to hear of it.

@@ -23,8 +23,8 @@ struct Minimum {
 ///   bool Evaluate(const State&, Residuals&, Jacobian&) const   false where the model has no value
 ///   State Moved(const State&, const Step&) const               the state a step away
 /// Residuals must be whitened (unit variance): the iteration ends with a step that is shorter than a
-/// thousandth of the estimate's own standard deviation. Declines (converged false) after 50 steps (a bar takes
-/// two or three).
+/// thousandth of the estimate's own standard deviation. Declines (converged false) after 50 steps (a bar
+/// takes two or three).
 template <class Problem>
 Minimum<Problem::kParameters> Minimise(const Problem& problem, typename Problem::State& state) {
   constexpr int kParameters = Problem::kParameters;

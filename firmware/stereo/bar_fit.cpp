@@ -103,6 +103,17 @@ struct BarProblem {
   bool Evaluate(const Bar& bar, BarResiduals& residuals, Jacobian& jacobian) const {
     return Linearise(bar, true, residuals, jacobian);
   }
+  /// What the residuals bend the sum by: turned by t, an LED at offset o falls short by o t^2 / 2 along the
+  /// bar. Only where that makes the sum steeper, or the matrix could lose its sign.
+  void AddBend(const Bar& bar, const BarResiduals& residuals, const Jacobian& jacobian,
+               Eigen::Matrix<double, kParameters, kParameters>& normal) const {
+    double bend = 0;
+    for (std::size_t i = 0; i < kLedCount; ++i) {
+      const auto row = static_cast<Eigen::Index>(4 * i);
+      bend -= offset_m[i] * residuals.segment<4>(row).dot(jacobian.block<4, 3>(row, 0) * bar.direction_b);
+    }
+    if (bend > 0) normal(3, 3) += bend, normal(4, 4) += bend;
+  }
   Bar Moved(const Bar& bar, const Eigen::Matrix<double, 5, 1>& step) const {
     return {bar.centre_b_m + step.head<3>(),
             (bar.direction_b + TangentOf(bar.direction_b) * step.tail<2>()).normalized()};

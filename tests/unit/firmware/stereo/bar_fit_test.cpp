@@ -226,6 +226,25 @@ TEST(BarFit, ItsChiSquareHasTwoDegreesOfFreedomForEachCentroidLessFive) {
   }
 }
 
+TEST(BarFit, FindsABarThatSeemsLongerOrShorterThanItIs) {
+  // A calibration that is off by some urad of yaw stretches all that is far away; from a short base the
+  // length then says more of how the bar leans than the LEDs' own depths do.
+  const auto narrow = adit::support::ToedInRig(3);
+  const auto narrow_views = adit::stereo::MakeViews(narrow.AsRig());
+  for (double distance_m = 20; distance_m <= 120; distance_m += 20) {
+    for (int per_mille = -5; per_mille <= 5; ++per_mille) {
+      auto stretched = adit::support::SeedTargetOne();
+      for (double& place_m : stretched.leds_m) place_m *= 1 + 1e-3 * per_mille;
+      const auto bar =
+          SyntheticBar::At(stretched, adit::support::Ahead(narrow, distance_m), Vector3d(1, 0, 0.02));
+      const auto observations = Observe(narrow, bar, 0.0084, random);
+      CHECK(FitBar(narrow_views, adit::support::SeedTargetOne(), observations,
+                   TriangulateAll(narrow_views, observations))
+                .has_value());
+    }
+  }
+}
+
 TEST(BarFit, DeclinesABarOfWhichOneLedIsSeenInBothImages) {
   const auto seen = Hidden(Observe(rig, bars[0], 0, random), 0b01101000);
   CHECK_FALSE(FitBar(views, bars[0].target, seen, TriangulateAll(views, seen)).has_value());

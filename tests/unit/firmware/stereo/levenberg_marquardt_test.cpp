@@ -37,6 +37,21 @@ struct Line {
   Vector2d Moved(const Vector2d& x, const Vector2d& step) const { return x + step; }
 };
 
+/// A parameter that a residual of one standard deviation measures, and that another, large one bends away
+/// from: the sum's second derivative at its minimum, x = 0, is `ratio` times what J^T J says.
+struct Bend {
+  static constexpr int kParameters = 1, kResiduals = 2;
+  using State = double;
+  double ratio;
+  bool Evaluate(double x, Vector2d& r, Vector2d& jacobian) const {
+    r = {x, kMiss + 0.5 * (ratio - 1) / kMiss * x * x};
+    jacobian = {1, (ratio - 1) / kMiss * x};
+    return true;
+  }
+  double Moved(double x, const Eigen::Matrix<double, 1, 1>& step) const { return x + step[0]; }
+  static constexpr double kMiss = 6;
+};
+
 /// Has no value left of 0, and falls towards it.
 struct Cliff {
   static constexpr int kParameters = 1, kResiduals = 1;
@@ -71,6 +86,16 @@ TEST(LevenbergMarquardt, GivesTheNormalMatrixOfALinearFit) {
   DOUBLES_EQUAL(5, minimum.information(0, 0), 1e-9);
   DOUBLES_EQUAL(10, minimum.information(0, 1), 1e-9);
   DOUBLES_EQUAL(30, minimum.information(1, 1), 1e-9);
+}
+
+TEST(LevenbergMarquardt, ArrivesWhereLargeResidualsBendTheSum) {
+  for (double ratio = 1; ratio < 100; ratio *= 1.1) {
+    for (const double start : {0.3, 1.0, 3.0}) {
+      double x = start;
+      CHECK(adit::stereo::Minimise(Bend{ratio}, x).converged);
+      DOUBLES_EQUAL(0, x, 1e-3);  // of a standard deviation
+    }
+  }
 }
 
 TEST(LevenbergMarquardt, DeclinesWhereThereIsNoMinimum) {

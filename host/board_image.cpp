@@ -7,8 +7,9 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <set>
 #include <string_view>
+
+#include "host/repeated_path.h"
 
 namespace adit::host {
 namespace {
@@ -71,11 +72,8 @@ base::Result<std::vector<std::string>> ListImages(const std::vector<std::string>
       return Error{ErrorCode::kUsage, path, "is neither an image file nor a folder of images"};
     }
   }
-  std::set<std::string> seen;
-  for (const std::string& image : images) {
-    if (!seen.insert(fs::path(image).lexically_normal().string()).second)
-      return Error{ErrorCode::kUsage, image, "is named twice"};
-  }
+  if (const auto repeated = RepeatedPath(images))
+    return Error{ErrorCode::kUsage, *repeated, "is named twice"};
   return images;
 }
 

@@ -12,6 +12,7 @@
 #include "drivers/linux/atomic_file.h"
 #include "firmware/optics/rig.h"
 #include "host/failure.h"
+#include "host/repeated_path.h"
 #include "host/train_report.h"
 #include "host/train_session.h"
 
@@ -61,6 +62,8 @@ base::Result<TrainOrder> OrderOf(const TrainArguments& arguments) {
   order.options.noise_px = arguments.noise_px;
   order.options.tilt_max_rad = arguments.tilt_max_deg * kRadPerTiltDeg;
   if (auto read = ReadDistances(arguments.distances, order.options); !read) return read.error();
+  if (const auto repeated = RepeatedPath(arguments.recordings))
+    return base::Error{base::ErrorCode::kUsage, *repeated, "is named twice"};
   // The model is for all cameras that see the target; the first recording's stands for them.
   const std::string camera_file = !arguments.camera.empty() || arguments.recordings.empty()
                                       ? arguments.camera

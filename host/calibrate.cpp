@@ -17,6 +17,7 @@
 #include "host/model_list.h"
 #include "host/pair_reader.h"
 #include "host/progress.h"
+#include "host/repeated_path.h"
 
 namespace adit::host {
 namespace {
@@ -72,6 +73,9 @@ base::Result<void> Search(const CalibrateArguments& arguments, std::size_t which
 
 /// The cameras and models that the command line names, and their bars in the recordings.
 base::Result<CalibrationInput> Gather(const CalibrateArguments& arguments) {
+  // Each bar would count twice, and every sigma be too small.
+  if (const auto repeated = RepeatedPath(arguments.recordings))
+    return base::Error{base::ErrorCode::kUsage, *repeated, "is named twice"};
   const auto left = optics::LoadCamera(arguments.cameras[0]);
   if (!left) return left.error();
   const auto right = optics::LoadCamera(arguments.cameras[1]);
@@ -94,33 +98,6 @@ base::Result<CalibrationInput> Gather(const CalibrateArguments& arguments) {
   return input;
 }
 
-std::vector<ReportFact> QualityFacts(const CalibrationQuality& quality) {
-  const Eigen::Vector3d sigma_urad = 1e6 * quality.sigma_rad;
-  return {{"baseline_m", "baseline", ReportNumber(quality.baseline_m, 4), "m"},
-          {"baseline_sigma_mm", "its sigma", ReportNumber(1e3 * quality.baseline_sigma_m, 2), "mm"},
-          {"pitch_sigma_urad", "sigma of pitch", ReportNumber(sigma_urad.x(), 1), "\u00b5rad"},
-          {"yaw_sigma_urad", "of yaw", ReportNumber(sigma_urad.y(), 1), "\u00b5rad"},
-          {"roll_sigma_urad", "of roll", ReportNumber(sigma_urad.z(), 1), "\u00b5rad"},
-          {"rms_px", "rms of a coordinate", ReportNumber(quality.rms_px, 4), "px"},
-          {"sigma0", "sigma0", ReportNumber(quality.sigma0, 2), ""},
-          {"bar_bias_mm", "mean bar error", ReportNumber(1e3 * quality.bar_bias_m, 2), "mm"},
-          {"bar_rms_mm", "rms of it", ReportNumber(1e3 * quality.bar_rms_m, 2), "mm"},
-          {"nearest_m", "bars from", ReportNumber(quality.nearest_m, 1), "m"},
-          {"farthest_m", "to", ReportNumber(quality.farthest_m, 1), "m"},
-          {"wave_next", "wave next, in cam0",
-           ReportWords(quality.gaps.empty() ? "nowhere" : quality.gaps.front().Words()), ""}};
-}
-
-std::string Joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-ReportVerdict VerdictOf(const Calibration& calibration) {
-  return calibration.verdict == Verdict::kGood ? ReportVerdict::kGood : ReportVerdict::kCaution;
-}
-
 int RunCalibrate(const CalibrateArguments& arguments) {
   const auto input = Gather(arguments);
   if (!input) return Fail("calibrate", input.error());
@@ -130,15 +107,7 @@ int RunCalibrate(const CalibrateArguments& arguments) {
   if (!calibration) return Fail("calibrate", calibration.error());
   if (auto written = linux::WriteFileAtomically(arguments.out, FormatCalibration(*calibration)); !written)
     return Fail("calibrate", written.error());
-  const CalibrationPicture picture{Joined(arguments.recordings),
-                                   calibration->rig,
-                                   input->targets,
-                                   calibration->bars,
-                                   QualityFacts(calibration->quality),
-                                   calibration->quality.gaps,
-                                   VerdictOf(*calibration),
-                                   calibration->reservations};
-  if (auto written = WriteReport(MakeCalibrateReport(picture), arguments.report); !written)
+  if (auto written = WriteReport(MakeCalibrateReport(*input, *calibration), arguments.report); !written)
     return Fail("calibrate", written.error());
   std::cout << Summary(*calibration) << LightsText(*calibration, *input) << WrongPairs(*calibration, *input)
             << VerdictText(*calibration);

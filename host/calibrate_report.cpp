@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "firmware/stereo/bar_fit.h"
 #include "firmware/stereo/triangulate.h"
+#include "host/calibration_tables.h"
 
 namespace adit::host {
 namespace {
@@ -111,15 +115,14 @@ Plot BarResidualPlot(const std::vector<SeenBar>& bars, const optics::CameraModel
 Plot LengthPlot(const std::vector<SeenBar>& bars) {
   Plot plot;
   plot.title = "Bar length against distance";
-  plot.note =
-      "Measured minus true, LEDs each on their own; 95 % must lie between the rings' height and its mirror "
-      "image.";
+  plot.note = "Measured minus true, LEDs each on their own; 95 % must lie between the rings.";
   plot.x.label = "distance, m", plot.y.label = "error of the bar length, mm";
   PlotSeries error{"error", PlotMark::kDot, {}, {}}, stated{"two stated sigmas", PlotMark::kRing, {}, {}};
   const std::size_t stride = 1 + bars.size() / kBarVectorsMax;
   for (std::size_t i = 0; i < bars.size(); i += stride) {
     error.points.emplace_back(bars[i].distance_m, 1e3 * bars[i].length_error_m);
-    stated.points.emplace_back(bars[i].distance_m, 2e3 * bars[i].length_sigma_m);
+    for (const double side : {-2e3, 2e3})
+      stated.points.emplace_back(bars[i].distance_m, side * bars[i].length_sigma_m);
   }
   plot.series = {error, stated};
   return plot;
@@ -138,51 +141,75 @@ Plot BarsFromAbove(const std::vector<SeenBar>& bars, const optics::Rig& rig) {
   return plot;
 }
 
-ReportTable GapTable(const std::vector<CoverageGap>& gaps) {
-  ReportTable table{"wave_next",
-                    "Where both cameras look and no bar was, the most telling place first: depth (1 sigma) "
-                    "that the calibration leaves there, and one LED's noise.",
-                    {{"region", "region of cam0"}, {"depth_mm", "depth, mm"}, {"noise_mm", "noise, mm"}},
-                    {}};
-  for (const CoverageGap& gap : gaps) {
-    table.rows.push_back({ReportWords(gap.Words()), ReportNumber(1e3 * gap.depth_m, 1),
-                          ReportNumber(1e3 * gap.noise_depth_m, 1)});
+Plot HoldOutPlot(const HoldOut& held) {
+  Plot plot;
+  plot.title = "Held-out bars against their prediction";
+  plot.note =
+      "Bars that the adjustment never saw; 95 % must lie between the lines at twice what is predicted.";
+  plot.x.label = "predicted, 1 sigma, mm", plot.y.label = "error of the bar length, mm";
+  PlotSeries errors{"error", PlotMark::kDot, {}, {}};
+  double widest_mm = 0;
+  for (const HeldBar& bar : held.bars) {
+    errors.points.emplace_back(1e3 * bar.predicted_m, 1e3 * bar.error_m);
+    widest_mm = std::max(widest_mm, 1e3 * bar.predicted_m);
   }
-  return table;
+  plot.series = {errors,
+                 {"two sigmas", PlotMark::kDashedLine, {{0, 0}, {widest_mm, 2 * widest_mm}}, {}},
+                 {"", PlotMark::kDashedLine, {{0, 0}, {widest_mm, -2 * widest_mm}}, {}}};
+  return plot;
+}
+
+std::string Joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// Of the lenses and what they lead to.
+void AddFigures(const CalibrationInput& input, const Calibration& calibration, ReportPage& page) {
+  page.Section("Lenses");
+  ReportTable intrinsics = IntrinsicTable(input, calibration);
+  if (intrinsics.rows.empty()) {
+    page.Paragraph("Taken as in their files.");
+  } else {
+    page.Paragraph("Refined in the adjustment, within what their files may be wrong by.");
+    page.Add(std::move(intrinsics));
+  }
+  page.Section("What to expect");
+  page.Add(PredictionTable(calibration.quality));
 }
 
 }  // namespace
 
-ReportPage MakeCalibrateReport(const CalibrationPicture& picture) {
-  const stereo::Views views = stereo::MakeViews(picture.rig);
+ReportPage MakeCalibrateReport(const CalibrationInput& input, const Calibration& calibration) {
+  const optics::Rig& rig = calibration.rig;
+  const stereo::Views views = stereo::MakeViews(rig);
   std::vector<SeenBar> bars;
   double inside = 0;
-  for (const StereoBar& bar : picture.bars) {
-    if (const auto seen = Look(views, picture.targets[bar.target], bar)) bars.push_back(*seen);
+  for (const StereoBar& bar : calibration.bars) {
+    if (const auto seen = Look(views, input.targets[bar.target], bar)) bars.push_back(*seen);
   }
   for (const SeenBar& seen : bars) inside += std::abs(seen.length_error_m) <= 2 * seen.length_sigma_m ? 1 : 0;
-  ReportPage page("calibrate", "Relative pose of two cameras", picture.origin);
-  page.Verdict(picture.verdict,
-               picture.verdict == ReportVerdict::kGood ? "Accepted." : "Usable, but:", picture.reservations);
-  std::vector<ReportFact> facts = picture.facts;
-  const auto count = [](std::size_t n) { return ReportNumber(static_cast<double>(n), 0); };
-  facts.insert(
-      facts.end(),
-      {{"candidates", "candidate bars", count(picture.bars.size()), ""},
-       {"right", "that fit the rig", count(bars.size()), ""},
-       {"within_two_sigma_pct", "lengths within two sigmas",
-        ReportNumber(bars.empty() ? std::nan("") : 100 * inside / static_cast<double>(bars.size()), 1),
-        "%"}});
+  ReportPage page("calibrate", "Relative pose of two cameras", Joined(input.recordings));
+  const bool good = calibration.verdict == Verdict::kGood;
+  page.Verdict(good ? ReportVerdict::kGood : ReportVerdict::kCaution,
+               good ? "Accepted." : "Usable, but:", calibration.reservations);
+  std::vector<ReportFact> facts = QualityFacts(calibration);
+  const double inside_pct = bars.empty() ? std::nan("") : 100 * inside / static_cast<double>(bars.size());
+  facts.push_back({"within_two_sigma_pct", "lengths within 2 sigmas", ReportNumber(inside_pct, 1), "%"});
   page.Facts(std::move(facts));
+  AddFigures(input, calibration, page);
   page.Section("Coverage");
-  page.Add(BarCoverage(bars, picture.rig.left, &StereoBar::left, "cam0"));
-  page.Add(BarCoverage(bars, picture.rig.right, &StereoBar::right, "cam1"));
-  page.Add(BarsFromAbove(bars, picture.rig));
-  if (!picture.gaps.empty()) page.Add(GapTable(picture.gaps));
+  page.Add(BarCoverage(bars, rig.left, &StereoBar::left, "cam0"));
+  page.Add(BarCoverage(bars, rig.right, &StereoBar::right, "cam1"));
+  page.Add(BarsFromAbove(bars, rig));
+  if (!calibration.quality.gaps.empty()) page.Add(GapTable(calibration.quality.gaps));
   page.Section("Fit");
-  page.Add(BarResidualPlot(bars, picture.rig.left, 0, "cam0"));
-  page.Add(BarResidualPlot(bars, picture.rig.right, 1, "cam1"));
+  page.Add(BarResidualPlot(bars, rig.left, 0, "cam0"));
+  page.Add(BarResidualPlot(bars, rig.right, 1, "cam1"));
   page.Add(LengthPlot(bars));
+  if (!calibration.quality.hold_out.bars.empty()) page.Add(HoldOutPlot(calibration.quality.hold_out));
+  if (!calibration.wrong.empty()) page.Add(WrongPairTable(input, calibration.wrong));
   return page;
 }
 

@@ -1,32 +1,16 @@
 // A calibration, as a page: the bars looked at again with the finished rig.
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include "firmware/base/target.h"
-#include "firmware/optics/rig.h"
-#include "host/coverage_gap.h"
+#include "host/calibration.h"
 #include "host/report_page.h"
-#include "host/stereo_bar.h"
 
 namespace adit::host {
 
-/// What the page is made of.
-struct CalibrationPicture {
-  std::string origin;  ///< recordings
-  const optics::Rig& rig;
-  const std::vector<base::Target>& targets;
-  const std::vector<StereoBar>& bars;  ///< candidates, wrong pairs among them
-  std::vector<ReportFact> facts;       ///< of the calibration's own quality
-  std::vector<CoverageGap> gaps = {};  ///< where to wave next
-  ReportVerdict verdict = ReportVerdict::kGood;
-  std::vector<std::string> reservations = {};
-};
-
-/// Every candidate bar is fitted rigidly (stereo::FitBar): those that miss by more than 31 in chi-square
-/// (99.9 % of 11 degrees of freedom) are told as wrong pairs and left out of the plots. Coverage and residual
-/// vectors of both images, bar length against distance beside its stated sigma, and the places from above.
-ReportPage MakeCalibrateReport(const CalibrationPicture& picture);
+/// The bars used are fitted rigidly (stereo::FitBar) with the finished rig, apart from the adjustment; those
+/// that miss by more than 31 in chi-square (99.9 % of 11 degrees of freedom) stand in no plot. Figures, the
+/// lenses beside their files, what to expect at 30, 70 and 110 m, coverage and residual vectors of both
+/// images, bar length against distance beside its stated sigma, held-out bars beside what was predicted of
+/// them, the places from above, the wrong pairs.
+ReportPage MakeCalibrateReport(const CalibrationInput& input, const Calibration& calibration);
 
 }  // namespace adit::host

@@ -62,6 +62,10 @@ def calibrate(work):
                  work / "wave/cam0/sensor.yaml", "--camera", work / "wave/cam1/sensor.yaml", "--out"]
     must(*arguments, work / "rig.yaml", "--report", work / "calibrate.html", "--json", work / "calibrate.json")
     must(*arguments, work / "again.yaml")
+    table = {part["key"]: part["rows"] for part in json.loads((work / "calibrate.json").read_text())["parts"]
+             if "rows" in part}
+    expect([row["distance_m"] for row in table["predictions"]] == [30, 70, 110], f"predictions: {table['predictions']}")
+    expect({row["parameter"] for row in table["intrinsics"]} == {"fu", "fv", "cu", "cv", "k1"}, "the lenses are told")
     rig = (work / "rig.yaml").read_text()
     expect(rig == (work / "again.yaml").read_text(), "the same recording gives the same rig file")
     baseline_m = float(re.search(r"baseline_m: (\S+)", rig).group(1))
@@ -106,7 +110,7 @@ def track_lamps(work):
 
 
 def read_reports(work):
-    for name, plots in [("train", 5), ("calibrate", 6), ("evaluate", 4)]:
+    for name, plots in [("train", 5), ("calibrate", 7), ("evaluate", 4)]:
         page = (work / f"{name}.html").read_text()
         expect(page.count("<svg ") == plots, f"{name}: {page.count('<svg ')} drawings, not {plots}")
         expect("http" not in page and "<script" not in page, f"{name}: the page needs something from elsewhere")
@@ -181,6 +185,11 @@ def refuse_work(work):
                        work / "x.yaml", "--camera", sensor]
     refused(work, 2, ["--camera", "twice"], *calibrate_lamps)
     refused(work, 1, ["lamps", "bars identified in both images"], *calibrate_lamps, "--camera", sensor)
+    # The same bars again would make every sigma too small.
+    again = ["--recording", work / "wave", "--recording", f"{work}/./wave/", "--out", work / "x.yaml"]
+    refused(work, 2, ["wave", "named twice"], "calibrate", *again, "--model", work / "a.yaml", "--camera", sensor,
+            "--camera", sensor)
+    refused(work, 2, ["wave", "named twice"], "train", *again, "--target", target)
     other = edited(work, "wave/cam0/sensor.yaml", "small.yaml", r"1400, 1024", "700, 512")
     refused(work, 2, [".png", "1400 x 1024", "700 x 512", "small.yaml"], *calibrate_lamps, "--camera", other)
     cut = work / "cut.csv"

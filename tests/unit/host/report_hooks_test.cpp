@@ -5,8 +5,7 @@
 #include "host/evaluate_report.h"
 #include "host/georef_page.h"
 #include "host/intrinsics_report.h"
-#include "host/seed_world.h"
-#include "host/tunnel.h"
+#include "host/simulated_calibration.h"
 #include "tests/support/synthetic_board.h"
 #include "tests/unit/host/survey_truth.h"
 
@@ -68,24 +67,46 @@ TEST(ReportHooks, IntrinsicsShowsParametersImagesAndCoverage) {
   STRCMP_CONTAINS("times longer", page.Html().c_str());
 }
 
-// Eighty bars of an exact rig and ten wrong pairs among them.
-TEST(ReportHooks, CalibrateLooksAtEveryBarAgain) {
-  const auto rig = adit::host::TunnelRig(9);
-  const adit::host::SeedSetup setup{9, 35, {"bar", {0, 0.25, 0.65, 1.5}, 0, 0.04}, 15, 30, 0, 0, 0.05};
-  adit::host::SeedDraw draw(4, 1);
-  std::vector<adit::host::StereoBar> bars;
-  for (int i = 0; i < 90; ++i) {
-    const auto pixels = *PixelsOf(rig, setup.bar, draw.Wave(rig, setup, 1));
-    bars.push_back(adit::host::StereoBarOf(rig, draw.Noisy(pixels, 0.05), 0.05));
-  }
-  for (std::size_t i = 0; i < 10; ++i) bars[i].right = bars[i + 20].right;
-  const std::vector<adit::base::Target> targets{setup.bar};
-
-  const ReportPage page = adit::host::MakeCalibrateReport({"rec", rig, targets, bars, {}});
+// Ten wrong pairs among 120 bars, and lenses that are not as their files say.
+TEST(ReportHooks, CalibrateTellsItsFiguresAndWhereEveryBarWent) {
+  adit::host::CalibrationPlan plan;
+  plan.bars = 120;
+  auto draw = adit::host::Draw(plan, 4);
+  for (std::size_t i = 0; i < 10; ++i) draw.input.bars[i].right = draw.input.bars[i + 20].right;
+  const auto calibration = *adit::host::Calibrate(draw.input);
+  const ReportPage page = adit::host::MakeCalibrateReport(draw.input, calibration);
 
   CheckNumbers(page);
-  STRCMP_CONTAINS("\"candidates\": 90, \"right\": 80", page.Json().c_str());
-  STRCMP_CONTAINS("From above", page.Html().c_str());
+  const std::string json = page.Json();
+  const std::size_t used = calibration.quality.bars_used, held = calibration.quality.hold_out.bars.size(),
+                    wrong = calibration.wrong.size();
+  LONGS_EQUAL(120, used + held + wrong);
+  CHECK_COMPARE(wrong, >=, 10);
+  const std::string counts = "\"bars_seen\": 120, \"bars_used\": " + std::to_string(used) +
+                             ", \"bars_held_out\": " + std::to_string(held) +
+                             ", \"wrong_pairs\": " + std::to_string(wrong) + ",";
+  CHECK(Tells(json, counts));
+  for (const char* camera : {"cam0", "cam1"}) {
+    for (const char* name : {"fu", "fv", "cu", "cv", "k1"})
+      STRCMP_CONTAINS(
+          ("{\"camera\": \"" + std::string(camera) + "\", \"parameter\": \"" + name + "\", ").c_str(),
+          json.c_str());
+  }
+  CHECK_FALSE(Tells(json, "\"parameter\": \"k2\""));
+  for (const char* part : {"depth_mm_per_urad_yaw", "depth_mm_per_0_01_px", "Held-out bars against",
+                           "From above", "\"reason\": \"off the epipolar lines\""})
+    STRCMP_CONTAINS(part, json.c_str());
+}
+
+TEST(ReportHooks, CalibrateSaysThatExactLensesStayAsTheyAre) {
+  adit::host::CalibrationPlan plan;
+  plan.bars = 60;
+  plan.intrinsics = {0, 0, 0};
+  const auto draw = adit::host::Draw(plan, 5);
+  const auto calibration = *adit::host::Calibrate(draw.input);
+  const std::string json = adit::host::MakeCalibrateReport(draw.input, calibration).Json();
+  STRCMP_CONTAINS("Taken as in their files.", json.c_str());
+  CHECK_FALSE(Tells(json, "\"parameter\""));
 }
 
 TEST(ReportHooks, GeorefShowsPointsAndRefusals) {

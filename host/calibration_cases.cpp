@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kShortForm = 3;
+constexpr std::size_t kCalibrationsWanted = 30;  // fewer scatter by more than the bars leave
 
 /// The calibration of a draw; a refusal is a finding.
 std::optional<Calibration> Calibrated(const CalibrationInput& input, SuiteReport& report) {
@@ -102,7 +102,7 @@ void ReportCount(std::size_t done, std::size_t wanted, SuiteReport& report) {
 }  // namespace
 
 SuiteReport MeasurePose(const CaseOrder& order) {
-  const std::size_t count = order.CountOr(kShortForm);
+  const std::size_t count = order.CountOr(kCalibrationsWanted);
   SuiteReport report;
   std::size_t done = 0;
   CalibrationPlan plan;
@@ -129,7 +129,7 @@ SuiteReport MeasurePose(const CaseOrder& order) {
 }
 
 SuiteReport MeasureRefined(const CaseOrder& order) {
-  const std::size_t count = order.CountOr(kShortForm);
+  const std::size_t count = order.CountOr(kCalibrationsWanted);
   SuiteReport report;
   std::size_t done = 0;
   CalibrationPlan plan;
@@ -165,7 +165,7 @@ SuiteReport MeasureRefined(const CaseOrder& order) {
 
 SuiteReport MeasureTable52(const CaseOrder& order) {
   constexpr std::array kDistancesM{30.0, 50.0, 70.0}, kBarsMm{0.4, 0.5, 0.6};
-  const std::size_t count = order.CountOr(kShortForm);
+  const std::size_t count = order.CountOr(kCalibrationsWanted);
   SuiteReport report;
   std::size_t done = 0;
   CalibrationPlan plan;
@@ -199,7 +199,7 @@ SuiteReport MeasureTable52(const CaseOrder& order) {
 
 SuiteReport MeasureTable54(const CaseOrder& order) {
   constexpr std::array kDistancesM{20.0, 30.0, 50.0, 80.0, 100.0};
-  const std::size_t count = order.CountOr(kShortForm);
+  const std::size_t count = order.CountOr(kCalibrationsWanted);
   SuiteReport report;
   std::size_t done = 0;
   CalibrationPlan plan;

@@ -11,7 +11,7 @@
 namespace adit::host {
 namespace {
 
-constexpr std::size_t kFilmsMin = 3;
+constexpr std::size_t kFilms = 30;  // as many as of simulated centroids
 constexpr std::size_t kFrames = 300;
 
 CalibrationPlan FilmPlan() {
@@ -63,7 +63,7 @@ SuiteReport MeasureClutter(const CaseOrder& order) {
   CalibrationPlan plan = FilmPlan();
   plan.intrinsics = {0, 0, 0};
   plan.bar_sigma_m = 0;
-  const std::size_t count = order.CountOr(kFilmsMin);
+  const std::size_t count = order.CountOr(kFilms);
   const auto pieces = WorkInParallel<Piece>("clutter", count, [&](std::size_t i) {
     const std::uint64_t seed = PieceSeed(order, i);
     const CalibrationDraw draw = Draw(plan, seed);
@@ -100,7 +100,7 @@ SuiteReport MeasureClutter(const CaseOrder& order) {
 
 SuiteReport MeasureRendered(const CaseOrder& order) {
   const CalibrationPlan plan = FilmPlan();
-  const std::size_t count = order.CountOr(kFilmsMin);
+  const std::size_t count = order.CountOr(kFilms);
   const auto pieces = WorkInParallel<Piece>("rendered", count, [&](std::size_t i) {
     const std::uint64_t seed = PieceSeed(order, i);
     const CalibrationDraw draw = Draw(plan, seed);

@@ -58,7 +58,11 @@ void AddSuiteOptions(CLI::App& command, SuiteOrder& order) {
   for (const std::string& name : SuiteNames()) names += (names.empty() ? "" : ", ") + name;
   CLI::Option* suite = command.add_option("--suite", order.suite, "run a campaign in simulation: " + names);
   command.add_option("--case", order.only, "only this case of the suite")->needs(suite);
-  command.add_option("--count", order.count, "how much of it; by default little enough for seconds")
+  command
+      .add_option(
+          "--count", order.count,
+          "how much of it; by default little enough for seconds, or for minutes what the bars of seed and "
+          "calibration are for: 30 calibrations")
       ->needs(suite)
       ->check(CLI::Range(1, 1'000'000'000));
   command.add_option("--seed", order.seed, "of all that is random")->needs(suite)->capture_default_str();

@@ -42,6 +42,9 @@ int RunCases(std::span<const SuiteCase> cases, const SuiteOrder& order, const st
     if (auto written = linux::WriteFileAtomically(order.json, json); !written)
       return Fail("evaluate", written.error());
   }
+  const std::string origin = "suite " + order.suite + ", seed " + std::to_string(order.seed);
+  if (auto written = WriteReport(MakeSuitePage(reports, origin, caveat), {order.report, ""}); !written)
+    return Fail("evaluate", written.error());
   const bool holds =
       std::all_of(reports.begin(), reports.end(), [](const SuiteReport& r) { return r.Holds(); });
   return holds ? 0 : 1;

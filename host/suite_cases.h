@@ -12,10 +12,10 @@ namespace adit::host {
 
 /// How much of a case is wanted.
 struct CaseOrder {
-  std::size_t count = 0;  ///< 0: the case's own short form
+  std::size_t count = 0;  ///< 0: as the case sees fit
   std::uint64_t seed = 1;
 
-  std::size_t CountOr(std::size_t short_form) const { return count == 0 ? short_form : count; }
+  std::size_t CountOr(std::size_t fitting) const { return count == 0 ? fitting : count; }
 };
 
 /// The seed of the piece `index` of a case.
@@ -27,7 +27,7 @@ struct SuiteCase {
 };
 
 /// Measures the cases that `order` names, prints each as it is done and `caveat` after them, and writes the
-/// JSON if one is asked for. Returns the exit code as RunSuite does.
+/// JSON and the page if they are asked for. Returns the exit code as RunSuite does.
 int RunCases(std::span<const SuiteCase> cases, const SuiteOrder& order, const std::string& caveat);
 
 }  // namespace adit::host

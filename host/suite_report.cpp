@@ -59,6 +59,37 @@ std::string FormatSuiteTable(const SuiteReport& report) {
   return text.str();
 }
 
+ReportPage MakeSuitePage(const std::vector<SuiteReport>& reports, const std::string& origin,
+                         const std::string& caveat) {
+  std::vector<std::string> missed;
+  for (const SuiteReport& report : reports) {
+    for (const SuiteFigure& f : report.figures) {
+      if (!f.Holds()) missed.push_back(report.name + ": " + f.what);
+    }
+  }
+  ReportPage page("evaluate", "Campaign in simulation", origin);
+  page.Verdict(missed.empty() ? ReportVerdict::kGood : ReportVerdict::kBad,
+               missed.empty() ? "Every bar holds." : "Missed:", missed);
+  page.Paragraph(caveat);
+  for (const SuiteReport& report : reports) {
+    page.Section(report.name);
+    ReportTable table{
+        report.name,
+        report.how,
+        {{"what", "figure"}, {"value", "measured"}, {"unit", "unit"}, {"bar", "bar"}, {"holds", ""}},
+        {}};
+    for (const SuiteFigure& f : report.figures) {
+      const bool judged = f.kind != SuiteFigure::Bar::kNoBar;
+      const std::string bar = judged ? Sign(f.kind) + (" " + ReportNumber(f.bar, f.decimals).text) : "";
+      table.rows.push_back({ReportWords(f.what), ReportNumber(f.value, f.decimals), ReportWords(f.unit),
+                            ReportWords(bar), ReportWords(judged ? f.Holds() ? "holds" : "missed" : "")});
+    }
+    page.Add(std::move(table));
+    for (const std::string& finding : report.findings) page.Paragraph(finding);
+  }
+  return page;
+}
+
 std::string FormatSuiteJson(const std::vector<SuiteReport>& reports, const std::string& suite,
                             std::uint64_t seed) {
   std::ostringstream text;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "firmware/base/result.h"
+#include "host/report_page.h"
 
 namespace adit::host {
 
@@ -40,5 +41,8 @@ struct SuiteReport {
 std::string FormatSuiteTable(const SuiteReport& report);
 std::string FormatSuiteJson(const std::vector<SuiteReport>& reports, const std::string& suite,
                             std::uint64_t seed);
+/// A table a case; `caveat` says what the simulation leaves out. The verdict names the bars that are missed.
+ReportPage MakeSuitePage(const std::vector<SuiteReport>& reports, const std::string& origin,
+                         const std::string& caveat);
 
 }  // namespace adit::host

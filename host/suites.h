@@ -14,7 +14,7 @@ struct SuiteOrder {
   std::size_t count = 0;   ///< of what the case counts; 0: few enough for seconds
   std::uint64_t seed = 1;  ///< all that is random
   std::string json;        ///< file for the figures; empty: none
-  std::string report;      ///< file for a page with plots, where the suite has one; empty: none
+  std::string report;      ///< file for the page; empty: none
 };
 
 /// The names of the suites, in the order of the help.

@@ -28,6 +28,16 @@ TEST(SuiteReport, WhatWasNotMeasuredHoldsNoBar) {
   STRCMP_CONTAINS("\"value\": null", adit::host::FormatSuiteJson({report}, "underground", 1).c_str());
 }
 
+TEST(SuiteReport, ItsPageNamesTheBarsThatAreMissed) {
+  SuiteReport report;
+  report.name = "drive";
+  report.AtMost("lost", 3, 1, "", 0);
+  report.AtLeast("found", 99.9, 99, "%", 1);
+  const std::string html = adit::host::MakeSuitePage({report}, "suite underground", "No tunnel.").Html();
+  for (const char* part : {"drive: lost", "99.9", "&gt;= 99.0", "No tunnel."})
+    STRCMP_CONTAINS(part, html.c_str());
+}
+
 TEST(SuiteReport, WorkInParallelKeepsTheOrder) {
   const auto squares = [](std::size_t i) { return i * i; };
   const auto alone = adit::host::WorkInParallel<std::size_t>("squares", 1000, squares, 1);

@@ -25,13 +25,14 @@ adit::watch::MotionMatrix CalibrationCovariance() {
   return covariance;
 }
 
-/// The same information as 60 pairs a second of noise A at an LED peak of 200 DN (0.0084 px), at a sixth of
-/// the cost.
+/// Noise A at an LED peak of 200 DN, for which the ten microradians are promised.
+constexpr double kNoiseAPx = 0.0084;
+/// The same information as 60 pairs a second of `noise_px`, at a sixth of the cost.
 constexpr double kSparseHz = 10;
-TrafficOptions Sparse() {
+TrafficOptions Sparse(double noise_px = 0.02) {
   TrafficOptions options;
   options.rate_hz = kSparseHz;
-  options.noise_px = 0.0084 / std::sqrt(60 / kSparseHz);
+  options.noise_px = noise_px / std::sqrt(60 / kSparseHz);
   return options;
 }
 
@@ -78,7 +79,7 @@ TEST_GROUP(Watch){};
 
 TEST(Watch, FindsAYawOfTenMicroradiansWithin30SecondsOfTraffic) {
   for (const unsigned seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
-    Stand stand(Sparse(), seed);
+    Stand stand(Sparse(seed <= 2 ? kNoiseAPx : 0.02), seed);
     stand.Learn();
     CHECK(stand.Found().verdict == Verdict::kHolds);
     stand.traffic.TurnRight({0, 10 * kMicro, 0});
@@ -105,11 +106,13 @@ TEST(Watch, IsQuietForAQuarterOfAnHourWithoutAChange) {
   CHECK_EQUAL(0U, stand.Found().wrong);
 }
 
-TEST(Watch, TheStatedSigmaOfTheTurnIsNoneTooSmall) {
+TEST(Watch, TheStatedSigmaOfTheTurnIsTrue) {
   constexpr int kRuns = 24;
   Eigen::Array3d squares = Eigen::Array3d::Zero();
   for (unsigned seed = 100; seed < 100 + kRuns; ++seed) {
-    Stand stand(Sparse(), seed, 60);
+    TrafficOptions options = Sparse(kNoiseAPx);
+    options.phase_bias_px = WatchOptions{}.bias_px;
+    Stand stand(options, seed, 60);
     adit::support::SyntheticScene draw(adit::support::ToedInRig(), seed + 1000);
     const auto random = [&draw](double sigma) -> Vector3d {
       return sigma * Vector3d(draw.Gauss(), draw.Gauss(), draw.Gauss());
@@ -123,11 +126,12 @@ TEST(Watch, TheStatedSigmaOfTheTurnIsNoneTooSmall) {
     const Vector3d sigma_rad(stand.Found().sigma_rad.data());
     squares += ((TurnOf(stand.Found()) - turn_rad).array() / sigma_rad.array()).square();
   }
-  // Chi-square of 24 degrees of freedom: 99.5 % lie below 45.56. The centroids' bias is stated as if it never
-  // averaged out, so that there is no such limit from below; a sigma four times too large would be useless.
+  // Chi-square of 24 degrees of freedom: 99 % lie between 9.89 and 45.56. Roll alone is stated up to twice
+  // too large: it rests on the LEDs' heights, which hardly move over the pixels while the bar drives and
+  // weaves, so that a view states their whole bias, though few of the views together share it.
   for (int axis = 0; axis < 3; ++axis) {
     CHECK(squares[axis] < 45.56);
-    CHECK(squares[axis] > 24.0 / 16);
+    CHECK(squares[axis] > (axis == 2 ? 9.89 / 4 : 9.89));
   }
 }
 
@@ -153,7 +157,9 @@ TEST(Watch, ABarOfAnotherLengthThanItsModelIsNoTurn) {
   CHECK(stand.Drive(30).has_value());
 }
 
-TEST(Watch, ParkedBarsAreNoTurnHoweverTheirCentroidsAreBiased) {
+TEST(Watch, ParkedBarsAreNoTurnAtFiveTimesTheStatedBias) {
+  // At eight times, 0.02 px, three of thirteen seeds call a turn: a detection that is biased so much has to
+  // say so in bias_px.
   for (const unsigned seed : {11U, 12U, 13U}) {
     TrafficOptions options = Sparse();
     options.phase_bias_px = 5 * WatchOptions{}.bias_px;

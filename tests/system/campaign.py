@@ -31,10 +31,12 @@ def ends(code, words, *arguments):
 
 def suites(work):
     figures = work / "figures.json"
-    lamps = ["evaluate", "--suite", "underground", "--case", "lamps", "--count", "240", "--seed", "3", "--json", figures]
+    lamps = ["evaluate", "--suite", "underground", "--case", "lamps", "--count", "240", "--seed", "3", "--json", figures,
+             "--report", work / "page.html"]
     first = ends(0, ["positions reported", "holds"], *lamps)
     case = json.loads(figures.read_text())["cases"][0]
     expect(case["case"] == "lamps" and case["holds"] and case["figures"][0]["value"] == 0, "the JSON says the same")
+    expect("Every bar holds." in (work / "page.html").read_text(), "the page says the same")
     expect(first == run(*lamps).stdout, "the same seed gives the same figures")
     ends(0, ["found within 30 s", "holds"], "evaluate", "--suite", "watch", "--case", "step", "--count", "1")
     ends(2, ["--suite", "'tunnel'", "underground"], "evaluate", "--suite", "tunnel")

@@ -43,6 +43,15 @@ Vector2d MiddleOfShown(std::uint64_t shown) {
   return sum / std::popcount(shown);
 }
 
+/// A spot's box in the image; at the border it is cut.
+detect::Window BoxOf(const Vector2d& low_px, const Vector2d& high_px, const optics::CameraModel& camera) {
+  const auto pixel = [](double px, int size_px) {
+    return static_cast<int>(std::clamp(px, 0.0, size_px - 1.0));
+  };
+  return {pixel(low_px.x(), camera.width_px), pixel(low_px.y(), camera.height_px),
+          pixel(high_px.x(), camera.width_px), pixel(high_px.y(), camera.height_px)};
+}
+
 }  // namespace
 
 double CentroidNoisePx(double peak_dn) {
@@ -93,6 +102,8 @@ void SimulatedBlobs::Gather(Side side, double t_s) {
     // A clipped light weighs by its area.
     spot.flux_dn = std::min(disc.flux_dn, kFullDn * spot.area_px);
     spot.xx = spot.yy = psf_px * psf_px + disc.radius_px * disc.radius_px / 4;
+    spot.low_px = Vector2d(disc.x_px, disc.y_px).array() - spot.extent_px;
+    spot.high_px = Vector2d(disc.x_px, disc.y_px).array() + spot.extent_px;
     spots_.push_back(spot);
   }
 }
@@ -129,6 +140,7 @@ void SimulatedBlobs::Join() {
     whole.extent_px = std::max(whole.extent_px, part.extent_px);
     whole.peak_dn = std::max(whole.peak_dn, part.peak_dn);
     whole.area_px += part.area_px;
+    whole.low_px = whole.low_px.cwiseMin(part.low_px), whole.high_px = whole.high_px.cwiseMax(part.high_px);
   }
   std::erase_if(joined, [](const Spot& spot) { return spot.flux_dn <= 0; });
   spots_ = std::move(joined);
@@ -146,38 +158,40 @@ void SimulatedBlobs::Append(const Spot& spot, Side side, sim::Random& random, de
   const bool inside = spot.x_px > reach_px && spot.y_px > reach_px &&
                       spot.x_px < camera.width_px - 1 - reach_px &&
                       spot.y_px < camera.height_px - 1 - reach_px;
-  if (!inside) {
-    ++blobs.rejects.at_border;
-  } else if (spot.area_px < kAreaMinPx) {
-    ++blobs.rejects.too_small;
-  } else if (spot.area_px > kAreaMaxPx) {
-    ++blobs.rejects.too_large;
-  } else if (major_px > kElongationMax * minor_px) {
-    ++blobs.rejects.not_round;
-  } else {
-    detect::Blob blob;
-    blob.raw_px = Vector2d(spot.x_px, spot.y_px) + noise;
-    Matrix2d slope;
-    blob.ideal_px = IdealPx(camera, blob.raw_px, slope);
-    blob.covariance_px2 = noise_px * noise_px * slope * slope.transpose();
-    blob.background_dn = static_cast<float>(world_.GetScene().sensor.background_dn);
-    blob.flux_dn = static_cast<float>(spot.flux_dn);
-    blob.peak_dn = static_cast<float>(std::min(kFullDn, spot.peak_dn + blob.background_dn));
-    blob.saturated = spot.peak_dn + blob.background_dn >= kFullDn;
-    blob.area_px = static_cast<float>(spot.area_px);
-    blob.sigma_major_px = static_cast<float>(major_px);
-    blob.sigma_minor_px = static_cast<float>(minor_px);
-    blob.x_min_px = static_cast<std::uint16_t>(spot.x_px - spot.extent_px);
-    blob.y_min_px = static_cast<std::uint16_t>(spot.y_px - spot.extent_px);
-    blob.x_max_px = static_cast<std::uint16_t>(spot.x_px + spot.extent_px);
-    blob.y_max_px = static_cast<std::uint16_t>(spot.y_px + spot.extent_px);
-    if (!blobs.blobs.push_back(blob)) ++blobs.rejects.no_room;
+  std::uint32_t* const reason = !inside                                ? &blobs.rejects.at_border
+                                : spot.area_px < kAreaMinPx            ? &blobs.rejects.too_small
+                                : spot.area_px > kAreaMaxPx            ? &blobs.rejects.too_large
+                                : major_px > kElongationMax * minor_px ? &blobs.rejects.not_round
+                                                                       : nullptr;
+  const detect::Window box = BoxOf(spot.low_px, spot.high_px, camera);
+  if (reason != nullptr) {
+    ++*reason;
+    if (reason != &blobs.rejects.too_small) blobs.regions.push_back(box);
+    return;
   }
+  detect::Blob blob;
+  blob.raw_px = Vector2d(spot.x_px, spot.y_px) + noise;
+  Matrix2d slope;
+  blob.ideal_px = IdealPx(camera, blob.raw_px, slope);
+  blob.covariance_px2 = noise_px * noise_px * slope * slope.transpose();
+  blob.background_dn = static_cast<float>(world_.GetScene().sensor.background_dn);
+  blob.flux_dn = static_cast<float>(spot.flux_dn);
+  blob.peak_dn = static_cast<float>(std::min(kFullDn, spot.peak_dn + blob.background_dn));
+  blob.saturated = spot.peak_dn + blob.background_dn >= kFullDn;
+  blob.area_px = static_cast<float>(spot.area_px);
+  blob.sigma_major_px = static_cast<float>(major_px);
+  blob.sigma_minor_px = static_cast<float>(minor_px);
+  blob.x_min_px = static_cast<std::uint16_t>(box.x_min_px);
+  blob.y_min_px = static_cast<std::uint16_t>(box.y_min_px);
+  blob.x_max_px = static_cast<std::uint16_t>(box.x_max_px);
+  blob.y_max_px = static_cast<std::uint16_t>(box.y_max_px);
+  if (!blobs.blobs.push_back(blob)) ++blobs.rejects.no_room;
 }
 
 void SimulatedBlobs::Expose(Side side, std::uint64_t trigger, detect::BlobSet& blobs) {
   blobs.blobs.clear();
   blobs.rejects = {};
+  blobs.regions.clear();
   blobs.whole = true;
   blobs.background_dn = static_cast<float>(world_.GetScene().sensor.background_dn);
   blobs.noise_dn = static_cast<float>(world_.GetScene().sensor.read_noise_dn);

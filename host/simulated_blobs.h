@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -46,6 +47,8 @@ class SimulatedBlobs {
     double xx = 0, yy = 0, xy = 0;  ///< second moments about the middle, px^2
     double extent_px = 0;           ///< of the largest disc
     double peak_dn = 0, area_px = 0;
+    Eigen::Vector2d low_px = Eigen::Vector2d::Constant(HUGE_VAL);  ///< corners of the box
+    Eigen::Vector2d high_px = Eigen::Vector2d::Constant(-HUGE_VAL);
   };
 
   void Gather(base::Side side, double t_s);

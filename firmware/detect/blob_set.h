@@ -6,6 +6,7 @@
 
 #include "firmware/base/fixed_vector.h"
 #include "firmware/base/image.h"
+#include "firmware/detect/window.h"
 
 namespace adit::detect {
 
@@ -29,6 +30,9 @@ struct Blob {
   bool merged = false;
 };
 
+/// Boxes kept of what is too large, not round or at the border: room for every lamp of a tunnel.
+inline constexpr std::size_t kMaxRegions = 256;
+
 /// Why components were left out, counted per image.
 struct BlobRejects {
   std::uint32_t too_small = 0;
@@ -44,6 +48,9 @@ struct BlobSet {
   bool whole = true;  ///< the whole image was searched, not windows of it
   base::FixedVector<Blob, kMaxBlobs> blobs;
   BlobRejects rejects;
+  /// Where something bright is that is no blob: an LED may have merged with it. What is too small is not
+  /// here, and what does not fit is missing.
+  base::FixedVector<Window, kMaxRegions> regions;
   float background_dn = 0;  ///< of the whole image
   float noise_dn = 0;       ///< standard deviation of the background
   float threshold_dn = 0;   ///< brightness above which a pixel is bright

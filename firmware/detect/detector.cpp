@@ -134,7 +134,10 @@ void Detector::State::Search(const base::ImageView& image, const Window& window,
     if (reason == nullptr) {
       if (!Measure(image, component, noise, out)) reason = &out.rejects.not_round;
     }
-    if (reason != nullptr) ++*reason;
+    if (reason == nullptr) continue;
+    ++*reason;
+    if (reason != &out.rejects.too_small)
+      out.regions.push_back({component.x_min_px, component.y_min_px, component.x_max_px, component.y_max_px});
   }
 }
 
@@ -144,6 +147,7 @@ void Detector::Detect(const base::CameraFrame& frame, const Windows& windows, Bl
   out.whole = windows.empty();
   out.blobs.clear();
   out.rejects = {};
+  out.regions.clear();
   out.background_dn = out.noise_dn = out.threshold_dn = 0;
   if (out.stamp.status != base::FrameStatus::kOk) return;
   if (image.bits < 8 || image.bits > 12) {

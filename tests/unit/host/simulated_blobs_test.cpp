@@ -98,6 +98,8 @@ TEST(SimulatedBlobs, NeighboursRunTogetherAtTheirCommonMiddle) {
   const auto first = near.Receive(0, Side::kLeft, 0), second = near.Receive(1, Side::kLeft, 0);
   DOUBLES_EQUAL((first->disc.x_px + second->disc.x_px) / 2, joined->blobs[0].raw_px.x(), 1e-3);
   CHECK(joined->blobs[0].sigma_major_px > 1.5F * joined->blobs[0].sigma_minor_px);
+  for (const auto& disc : {first->disc, second->disc})
+    CHECK(joined->blobs[0].x_min_px < disc.x_px - 1 && joined->blobs[0].x_max_px > disc.x_px + 1);
   LONGS_EQUAL(2, Exposed(apart_blobs, Side::kLeft, 0)->blobs.size());
 }
 

@@ -116,6 +116,16 @@ TEST(Detector, CountsWhatItLeavesOut) {
   LONGS_EQUAL(1, out->rejects.too_large);
   LONGS_EQUAL(1, out->rejects.at_border);
   LONGS_EQUAL(1, out->rejects.not_round);
+  // An LED may have merged with any of them but the hot pixel.
+  const auto is_in_a_region = [this](int x_px, int y_px) {
+    return std::any_of(out->regions.begin(), out->regions.end(), [&](const adit::detect::Window& box) {
+      return x_px >= box.x_min_px && x_px <= box.x_max_px && y_px >= box.y_min_px && y_px <= box.y_max_px;
+    });
+  };
+  LONGS_EQUAL(3, out->regions.size());
+  for (const auto& [x_px, y_px] : {std::pair{195, 145}, std::pair{1, 200}, std::pair{316, 60}})
+    CHECK(is_in_a_region(x_px, y_px));
+  CHECK_FALSE(is_in_a_region(320, 250));
   CHECK(Nearest(*out, {320, 250}) != nullptr);
 }
 

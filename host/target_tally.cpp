@@ -78,6 +78,8 @@ void TargetCounter::CountOne(std::uint64_t trigger, const stereo::TargetPoints& 
                              const sim::TargetTruth& own, const Judgement& judgement) {
   ++tally_.target_frames;
   if (episode_.GetImaging() == Imaging::kRendered) ++tally_.rendered;
+  const bool wrong = judgement.outcome == Outcome::kSwapped || judgement.outcome == Outcome::kOff;
+  if (wrong && episode_.GetImaging() == Imaging::kRendered) ++tally_.wrong_rendered;
   if (judgement.outcome == Outcome::kSwapped) {
     ++tally_.swapped;
     if (reported.status == stereo::FixStatus::kTracked) ++tally_.swapped_tracked;

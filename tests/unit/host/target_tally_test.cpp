@@ -1,5 +1,7 @@
 #include "host/target_tally.h"
 
+#include <memory>
+
 #include "host/tunnel.h"
 
 #include <CppUTest/TestHarness.h>
@@ -52,6 +54,20 @@ TEST(TargetTally, AHiddenLedIsHiddenFromThatCamera) {
     const TargetTally tally = Counted(tunnel, Imaging::kCentroids);
     LONGS_EQUAL(kFrames, tally.three.frames);
     LONGS_EQUAL(0, tally.off_tracked);
+  }
+}
+
+TEST(TargetTally, CountsWhatIsWrongInRenderedImages) {
+  for (const Imaging imaging : {Imaging::kCentroids, Imaging::kRendered}) {
+    Tunnel tunnel = OneTarget(12);
+    Episode episode(tunnel.Take(), ModelsOf({TunnelTargets()[0]}), imaging);
+    const auto result = std::make_unique<adit::pipeline::PairResult>(episode.Expose(0));
+    result->fixes.targets[0].state.points.epicenter_b_m.x() += 1;
+    adit::host::TargetCounter counter(episode, "test");
+    counter.Count(0, *result);
+    const TargetTally tally = counter.Take();
+    LONGS_EQUAL(1, tally.off_tracked);
+    LONGS_EQUAL(imaging == Imaging::kRendered ? 1 : 0, tally.wrong_rendered);
   }
 }
 

@@ -73,24 +73,33 @@ std::uint16_t BarBuilder::NearestTo(const base::Target& target, const Solution& 
   return nearest;
 }
 
+std::optional<Solution> BarBuilder::With(const base::Target& target, const Solution& solution,
+                                         std::size_t led, std::size_t side, const LedFlux& known) const {
+  const std::uint16_t nearest = NearestTo(target, solution, led, side);
+  if (nearest == kNoBlob) return std::nullopt;
+  BarBlobs blobs = solution.points.blobs;
+  blobs[side][led] = nearest;
+  LossReason unused;
+  const auto more = Build(target, blobs, unused);
+  // Two more coordinates may cost what two coordinates do, and no more.
+  if (!more || more->chi_square > solution.chi_square + ChiSquareLimit(2, options_.chi_square_sigmas))
+    return std::nullopt;
+  return SameBrightness(known, more->points.flux_dn) ? more : std::nullopt;
+}
+
 Solution BarBuilder::Completed(const base::Target& target, const Solution& solution,
                                const LedFlux& known) const {
   Solution best = solution;
   for (std::size_t led = 0; led < kLedCount; ++led) {
-    for (std::size_t side = 0; side < 2; ++side) {
-      if (best.points.blobs[side][led] != kNoBlob) continue;
-      const std::uint16_t nearest = NearestTo(target, best, led, side);
-      if (nearest == kNoBlob) continue;
-      BarBlobs blobs = best.points.blobs;
-      blobs[side][led] = nearest;
-      LossReason unused;
-      const auto more = Build(target, blobs, unused);
-      // Two more coordinates may cost what two coordinates do, and no more.
-      if (!more || more->chi_square > best.chi_square + ChiSquareLimit(2, options_.chi_square_sigmas))
-        continue;
-      if (!SameBrightness(known, more->points.flux_dn)) continue;
-      best = *more;
-    }
+    if (best.points.blobs[0][led] != kNoBlob) continue;
+    const auto with_left = With(target, best, led, 0, known);
+    const auto with_right = With(target, with_left ? *with_left : best, led, 1, known);
+    if (with_left && with_right)
+      best = *with_right;
+    else if (with_left && IsUncovered(known, with_left->points.flux_dn, 0, led))
+      best = *with_left;
+    else if (with_right && IsUncovered(known, with_right->points.flux_dn, 1, led))
+      best = *with_right;
   }
   return best;
 }

@@ -21,10 +21,14 @@ class BarBuilder {
 
   /// Adds to a solution, image by image, the blobs that stand where its hidden LEDs must be: the nearest
   /// within the gate of the fit's covariance, if the fit bears it and it is as bright as `known`. What stands
-  /// there and disagrees is something else, and the LED counts as hidden.
+  /// there and disagrees is something else, and the LED counts as hidden. An LED of `solution` is seen in
+  /// both images or in none.
   Solution Completed(const base::Target& target, const Solution& solution, const LedFlux& known) const;
 
  private:
+  /// The solution with the blob of one LED more in one image, if there is one.
+  std::optional<Solution> With(const base::Target& target, const Solution& solution, std::size_t led,
+                               std::size_t side, const LedFlux& known) const;
   /// The blob nearest to where LED `led` must be in an image, or kNoBlob.
   std::uint16_t NearestTo(const base::Target& target, const Solution& solution, std::size_t led,
                           std::size_t side) const;

@@ -14,7 +14,6 @@ namespace adit::stereo {
 struct Expectation {
   bool known = false;   ///< without a lock nothing is expected
   bool recent = false;  ///< no lock, but seen a moment ago: tells what may be a reflection, and nothing else
-  bool was_locked = false;  ///< recent, and the lock ended because the target was not seen
   Eigen::Vector3d led1_b_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d direction_b = Eigen::Vector3d::UnitX();  ///< unit, LED 1 to LED 4
   /// Of (led1_b_m, direction_b), process noise up to the exposure included; the direction's part has rank 2.

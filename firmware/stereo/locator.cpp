@@ -28,7 +28,6 @@ struct Locator::State {
   void SeekExpected(const ExpectationSet& expectations);
   bool MayBeReflection(std::size_t target, const Expectation& expected) const;
   std::bitset<identify::kMaxTargets> Wanted(const ExpectationSet& expectations) const;
-  void DropReflections(const Solution& place, Finding& finding) const;
   void ChooseAll(const ExpectationSet& expectations);
 
   std::vector<base::Target> targets;
@@ -147,33 +146,20 @@ bool Locator::State::MayBeReflection(std::size_t target, const Expectation& expe
                      [&](const Solution& s) { return MayBeMirrorImage(options, place, s); });
 }
 
-/// The targets whose places with three LEDs are wanted. One that shows where it is expected needs no more.
+/// The targets whose places with three LEDs are wanted. While a target is followed, what shows three of its
+/// LEDs is where it is expected, and has been sought there; elsewhere it is another light.
 std::bitset<identify::kMaxTargets> Locator::State::Wanted(const ExpectationSet& expectations) const {
   std::bitset<identify::kMaxTargets> wanted;
   for (std::size_t i = 0; i < targets.size(); ++i)
     wanted[i] =
-        findings[i].solutions.empty() || (!expectations[i].known && MayBeReflection(i, expectations[i]));
+        !expectations[i].known && (findings[i].solutions.empty() || MayBeReflection(i, expectations[i]));
   return wanted;
-}
-
-/// Of a target that has just gone out of sight three LEDs may be what its reflection shows, and of three LEDs
-/// no mirror may be known.
-void Locator::State::DropReflections(const Solution& place, Finding& finding) const {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < finding.solutions.size(); ++i) {
-    const Solution& s = finding.solutions[i];
-    if (s.complete || !MayBeMirrorImage(options, place, s)) finding.solutions[kept++] = s;
-  }
-  if (kept == 0 && !finding.solutions.empty()) finding.reason = LossReason::kAmbiguous;
-  finding.solutions.Truncate(kept);
 }
 
 void Locator::State::ChooseAll(const ExpectationSet& expectations) {
   for (std::size_t i = 0; i < targets.size(); ++i) {
     Solution place;
-    if (expectations[i].known || expectations[i].was_locked)
-      place = ExpectedPlace(targets[i], expectations[i]);
-    if (expectations[i].was_locked) DropReflections(place, findings[i]);
+    if (expectations[i].known) place = ExpectedPlace(targets[i], expectations[i]);
     chosen[i] = Choose(options, expectations[i].known ? &place : nullptr, mirrors, findings[i]);
   }
   ResolveShared(options, chosen, findings);

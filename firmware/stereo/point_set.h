@@ -21,9 +21,15 @@ using BarBlobs = std::array<BlobIndices, 2>;
 using LedFlux = std::array<std::array<float, base::kLedCount>, 2>;
 
 /// Whether LEDs are as bright, one beside another, as they are known to be: within a quarter, after a common
-/// factor (exposure, distance). One that is not has merged with a lamp or is covered in part, and its
-/// centroid is not where the LED is.
+/// factor (exposure, distance). Of an LED that is not known yet it is expected that it is like the others of
+/// its image: they are of one type and look one way. One that is not has merged with a lamp or is covered in
+/// part, and its centroid is not where the LED is; or it is none.
 bool SameBrightness(const LedFlux& known, const LedFlux& seen);
+
+/// The same of one LED beside the others of one image, within a tenth: of an LED that only this image shows.
+/// What hides it from one camera stands near the other's line of sight too and may cover a part of it, which
+/// moves its centroid by more than the noise long before a quarter of its light is gone.
+bool IsUncovered(const LedFlux& known, const LedFlux& seen, std::size_t side, std::size_t led);
 
 enum class FixStatus : std::uint8_t {
   kTracked,    ///< all four LEDs measured in both images

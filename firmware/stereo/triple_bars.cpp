@@ -9,6 +9,7 @@ using base::kLedCount;
 TripleBars::TripleBars(const optics::Rig& rig, const std::vector<base::Target>& targets,
                        const LocatorOptions& options)
     : targets_(targets),
+      rig_(rig),
       views_(MakeViews(rig)),
       options_(options),
       cloud_(rig, options),
@@ -59,6 +60,7 @@ void TripleBars::Try(const Triple& triple, const BarBuilder& builder, const std:
   const base::Target& target = targets_[triple.target];
   const auto bar = builder.Build(target, triple.blobs, unused);
   if (!bar || bar->chi_square > ChiSquareLimit(2 * bar->seen - 5, options_.candidate_sigmas)) return;
+  if (!SameBrightness(LedFlux{}, bar->points.flux_dn)) return;
   Bar all{triple, builder.Completed(target, *bar, LedFlux{})};
   all.solution.points.target = triple.target;
   bars_.push_back(all);
@@ -94,34 +96,36 @@ int TripleBars::LightsInLine(const Bar& bar) const {
   return count;
 }
 
-/// Whether no blob reaches to where the triple's fourth LED is in an image.
+/// Whether nothing bright reaches to where the triple's fourth LED is in an image.
 bool TripleBars::IsDark(const Bar& bar, const BarBuilder& builder, std::size_t side) const {
-  constexpr double kBesidePx = 2;  // nearer two lights are one, or are not measured well
   const base::Target& target = targets_[bar.triple.target];
   const auto& taken = bar.triple.blobs[0];
   const auto fourth =
       static_cast<std::size_t>(std::find(taken.begin(), taken.end(), kNoBlob) - taken.begin());
-  Eigen::Vector2d px;
-  Eigen::Matrix<double, 2, 3> slope;
-  if (!views_[side].Project(bar.solution.fit.PointM(target, target.leds_m[fourth]), px, slope)) return true;
-  const auto reaches = [&px](const detect::Blob& blob) {
-    // The lens moves the blob's box as it moves its centroid.
-    const Eigen::Vector2d at = px + blob.raw_px - blob.ideal_px;
-    return at.x() >= blob.x_min_px - kBesidePx && at.x() <= blob.x_max_px + kBesidePx &&
-           at.y() >= blob.y_min_px - kBesidePx && at.y() <= blob.y_max_px + kBesidePx;
+  const Eigen::Vector3d led_b_m = bar.solution.fit.PointM(target, target.leds_m[fourth]);
+  const auto px = side == 0 ? rig_.left.Project(led_b_m) : rig_.right.Project(rig_.T_r_l * led_b_m);
+  if (!px) return true;
+  const auto reaches = [&px](const auto& box) {
+    constexpr double kBesidePx = 2;  // nearer two lights are one, or are not measured well
+    return px->x() >= box.x_min_px - kBesidePx && px->x() <= box.x_max_px + kBesidePx &&
+           px->y() >= box.y_min_px - kBesidePx && px->y() <= box.y_max_px + kBesidePx;
   };
-  const auto& blobs = builder.Blobs(side).blobs;
-  return std::none_of(blobs.begin(), blobs.end(), reaches);
+  const detect::BlobSet& seen = builder.Blobs(side);
+  return std::none_of(seen.blobs.begin(), seen.blobs.end(), reaches) &&
+         std::none_of(seen.regions.begin(), seen.regions.end(), reaches);
 }
 
 /// Alone on its line a triple needs no more: chance does not make it. With other lights on the line some
-/// three of them may stand as three LEDs do; then the fourth LED must be accounted for, by a light that hides
-/// it; and of many lights nothing is concluded.
+/// three of them may stand as three LEDs do, or two LEDs read backwards and one light; then the fourth LED
+/// must be accounted for: it is seen in one image, or lights that hide it stand in both. Of many lights
+/// nothing is concluded.
 bool TripleBars::StandsInItsLine(const Bar& bar, const BarBuilder& builder) const {
   constexpr int kMany = 4;  // seven lights are 35 triples, and each is 24 readings of three bars
   const int others = LightsInLine(bar);
   if (others == 0) return true;
-  return others < kMany && !IsDark(bar, builder, 0) && !IsDark(bar, builder, 1);
+  if (others >= kMany) return false;
+  const bool sees_fourth = bar.solution.seen > 2 * 3;
+  return sees_fourth || (!IsDark(bar, builder, 0) && !IsDark(bar, builder, 1));
 }
 
 /// Another target may be seen in the same blobs, whether or not it is believed.

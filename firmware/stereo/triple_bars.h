@@ -12,8 +12,9 @@ namespace adit::stereo {
 
 /// Finds bars without a lock. Three points that stand right are strong evidence among scattered lamps and
 /// weak evidence where lamps stand in rows. So a bar counts only if fewer than `options.chance_max` like it
-/// are expected by chance from the density of the blobs, and, where other lights stand on its line, if
-/// something hides its fourth LED. One thread; no allocation after construction.
+/// are expected by chance from the density of the blobs, if its LEDs are alike in brightness, and, where
+/// other lights stand on its line, if its fourth LED is seen in one image or something hides it in both. One
+/// thread; no allocation after construction.
 class TripleBars {
  public:
   TripleBars(const optics::Rig& rig, const std::vector<base::Target>& targets, const LocatorOptions& options);
@@ -39,6 +40,7 @@ class TripleBars {
   bool IsContested(const Bar& bar) const;
 
   std::vector<base::Target> targets_;
+  optics::Rig rig_;
   Views views_;
   LocatorOptions options_;
   BlobFlags claimed_;

@@ -139,7 +139,7 @@ void BodyTrack::Expect(base::TimeNs exposure_ns, stereo::ExpectationSet& out) co
     const double limit_m2 = known.known ? known.covariance.topLeftCorner<3, 3>().trace()
                                         : options_.motion.sigma_max_m * options_.motion.sigma_max_m;
     if (variance_m2 <= limit_m2)
-      known = {true, false, false, led1.point_b_m, led1.direction_b, led1.covariance, known.flux_dn};
+      known = {true, false, led1.point_b_m, led1.direction_b, led1.covariance, known.flux_dn};
   }
 }
 

@@ -167,8 +167,7 @@ void Tracker::Expect(base::TimeNs exposure_ns, stereo::ExpectationSet& out) cons
     filter.Advance(exposure_ns);
     const bool locked = IsLocked(trail, filter);
     const BarPlace led1 = filter.Place().Moved(-trail.centre_m);
-    out[i] = {locked,          !locked,      !locked && trail.confirmed, led1.point_b_m, led1.direction_b,
-              led1.covariance, trail.flux_dn};
+    out[i] = {locked, !locked, led1.point_b_m, led1.direction_b, led1.covariance, trail.flux_dn};
   }
   for (const BodyTrack& body : bodies_) body.Expect(exposure_ns, out);
 }

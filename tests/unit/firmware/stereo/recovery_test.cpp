@@ -32,6 +32,20 @@ void Hide(adit::support::BlobPair& blobs, std::size_t index, unsigned images) {
   if ((images & kRight) != 0) remove(blobs.right);
 }
 
+/// Adds a light of an LED's brightness on the bar's line, `place_m` from LED 1.
+void AddLightInLine(SyntheticScene& scene, const SyntheticBar& bar, double place_m) {
+  auto light = bar;
+  light.target.leds_m.fill(place_m);
+  CHECK(scene.AddBar(light, 0.02));
+  for (auto* set : {&scene.Blobs().left, &scene.Blobs().right}) set->blobs.Truncate(set->blobs.size() - 3);
+}
+
+/// Leaves a region where blob `index` of an image is, as one does that merged with a lamp.
+void Obscure(adit::detect::BlobSet& set, std::size_t index) {
+  const Eigen::Vector2i px = set.blobs[index].raw_px.cast<int>();
+  set.regions.push_back({px.x() - 3, px.y() - 9, px.x() + 3, px.y() + 3});
+}
+
 /// What the tracking would say of a bar that it knows to `sigma_m` in each end.
 adit::stereo::Expectation Expect(const SyntheticBar& bar, double sigma_m) {
   adit::stereo::Expectation expected;
@@ -128,17 +142,74 @@ TEST(Recovery, DoesNotBelieveThreeLightsInARowOfLamps) {
   for (int trial = 0; trial < 100; ++trial) {
     scene->Clear();
     for (int i = 0; i < 24; ++i) {
-      auto lamp = bar;
-      lamp.target.leds_m.fill(-0.8 + 0.13 * i + scene->Uniform(-0.03, 0.03));
-      CHECK(scene->AddBar(lamp, 0.02));
-      for (auto* set : {&scene->Blobs().left, &scene->Blobs().right})
-        set->blobs.Truncate(set->blobs.size() - 3);
+      AddLightInLine(*scene, bar, -0.8 + 0.13 * i + scene->Uniform(-0.03, 0.03));
     }
     scene->Shuffle();
     chain.Run(scene->Blobs());
     for (const TargetPoints& p : chain.points.targets) reported += p.status == FixStatus::kRecovered ? 1 : 0;
   }
   LONGS_EQUAL(0, reported);
+}
+
+TEST(Recovery, BesideAnotherLightTheFourthLedMustBeSeenOrHiddenByALight) {
+  for (std::size_t led = 0; led < 4; ++led) {
+    const auto put = [&] {
+      scene->Clear();
+      CHECK(scene->AddBar(bar, 0.02));
+      AddLightInLine(*scene, bar, 2.1);
+    };
+    put();
+    Hide(scene->Blobs(), led, kBoth);
+    CHECK(chain.Run(scene->Blobs()).reason == LossReason::kAmbiguous);
+    // A region in one image hides the LED there and not in the other.
+    put();
+    Obscure(scene->Blobs().left, led);
+    Hide(scene->Blobs(), led, kBoth);
+    CHECK(chain.Run(scene->Blobs()).status == FixStatus::kLost);
+    put();
+    Obscure(scene->Blobs().left, led);
+    Obscure(scene->Blobs().right, led);
+    Hide(scene->Blobs(), led, kBoth);
+    CHECK(chain.Run(scene->Blobs()).status == FixStatus::kRecovered);
+    CHECK(ErrorSigmas(chain.points.targets[0], bar) < 5);
+    for (const unsigned images : {kLeft, kRight}) {
+      put();
+      Hide(scene->Blobs(), led, images);
+      CHECK(chain.Run(scene->Blobs()).status == FixStatus::kRecovered);
+    }
+  }
+}
+
+TEST(Recovery, ThreeLightsThatAreNotAlikeAreNoBar) {
+  for (const float brighter : {1.1F, 1.4F}) {
+    scene->Clear();
+    CHECK(scene->AddBar(bar, 0.02));
+    Hide(scene->Blobs(), 2, kBoth);
+    for (auto* set : {&scene->Blobs().left, &scene->Blobs().right}) set->blobs[1].flux_dn *= brighter;
+    CHECK((chain.Run(scene->Blobs()).status == FixStatus::kRecovered) == (brighter < 1.2F));
+  }
+}
+
+TEST(Recovery, AnLedCoveredInPartInTheOtherImageIsNotTaken) {
+  for (const auto& [images, side] : {std::pair{kLeft, 1U}, std::pair{kRight, 0U}}) {
+    for (const float shown : {0.97F, 0.85F}) {
+      scene->Clear();
+      CHECK(scene->AddBar(bar, 0.02));
+      (side == 0 ? scene->Blobs().left : scene->Blobs().right).blobs[1].flux_dn *= shown;
+      Hide(scene->Blobs(), 1, images);
+      const TargetPoints& p = chain.Run(scene->Blobs());
+      CHECK(p.status == FixStatus::kRecovered);
+      CHECK((p.blobs[side][1] != kNoBlob) == (shown > 0.9F));
+    }
+  }
+}
+
+TEST(Recovery, AFollowedBarIsNotSeenInThreeLightsElsewhere) {
+  CHECK(scene->AddBar(bar, 0.02));
+  Hide(scene->Blobs(), 1, kBoth);
+  CHECK(chain.Run(scene->Blobs()).status == FixStatus::kRecovered);
+  chain.expectations[0] = Expect(SyntheticBar::At(bar.target, AheadM(49), bar.direction_b), 0.1);
+  CHECK(chain.Run(scene->Blobs()).status == FixStatus::kLost);
 }
 
 TEST(Recovery, ReportsABarOfThreeLedsAndNotItsWholeReflectionInWater) {
@@ -219,16 +290,12 @@ TEST(Recovery, AFollowedBarIsFoundInARowOfLampsWithThreeLeds) {
     CHECK(scene->AddBar(bar, 0.02));
     Hide(scene->Blobs(), static_cast<std::size_t>(trial % 4), kBoth);
     for (int i = 0; i < 20; ++i) {
-      auto lamp = bar;
       const double place_m = -1.95 + 0.2 * i + scene->Uniform(-0.05, 0.05);
       // Who stands in an LED's place is taken for it.
       constexpr double kInItsPlaceM = 0.03;
       const auto is_led = [place_m](double led_m) { return std::abs(place_m - led_m) < kInItsPlaceM; };
       if (std::any_of(bar.target.leds_m.begin(), bar.target.leds_m.end(), is_led)) continue;
-      lamp.target.leds_m.fill(place_m);
-      CHECK(scene->AddBar(lamp, 0.02));
-      for (auto* set : {&scene->Blobs().left, &scene->Blobs().right})
-        set->blobs.Truncate(set->blobs.size() - 3);
+      AddLightInLine(*scene, bar, place_m);
     }
     scene->Shuffle();
     chain.expectations[0] = Expect(bar, 0.01);

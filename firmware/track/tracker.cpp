@@ -104,8 +104,10 @@ TargetPoints Tracker::Judge(Trail& trail, base::TimeNs exposure_ns, const Target
   if (judged.status != FixStatus::kLost) {
     const bool taken = Take(trail, exposure_ns, MeasuredPlace(measured).Moved(-to_epicenter_m));
     if (taken) TakeFlux(trail, measured);
-    if (!taken || (measured.status == FixStatus::kRecovered && !trail.confirmed))
-      judged = Lost(measured, stereo::LossReason::kJump);
+    // Of a target that was seen before three LEDs may be what its reflection shows, for a pair.
+    const bool doubted =
+        measured.status == FixStatus::kRecovered && !trail.confirmed && trail.last_seen_ns != base::kNever;
+    if (!taken || doubted) judged = Lost(measured, stereo::LossReason::kJump);
   }
   if (!options_.filter) return judged;
   if (judged.status == FixStatus::kLost) {

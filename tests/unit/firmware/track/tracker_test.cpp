@@ -57,15 +57,23 @@ TEST(Tracker, RemembersWhenATargetWasLastSeen) {
   CHECK(states.targets[0].points.status == FixStatus::kLost);
 }
 
-TEST(Tracker, ARecoveredPlaceIsToldWhenTheNextPairConfirmsIt) {
+TEST(Tracker, ARecoveredPlaceOfATargetNeverSeenIsToldAtOnce) {
   tracker.Track(PairAt(1000, FixStatus::kRecovered, FixStatus::kLost), states);
+  CHECK(states.targets[0].points.status == FixStatus::kRecovered);
+  CHECK(states.targets[0].last_seen_ns == 1000);
+}
+
+TEST(Tracker, ARecoveredPlaceOfATargetThatComesBackIsToldWhenTheNextPairConfirmsIt) {
+  constexpr TimeNs kLaterNs = 2 * adit::base::kNsPerS;
+  tracker.Track(PairAt(1000, FixStatus::kTracked, FixStatus::kLost), states);
+  tracker.Track(PairAt(kLaterNs, FixStatus::kRecovered, FixStatus::kLost), states);
   CHECK(states.targets[0].points.status == FixStatus::kLost);
   CHECK(states.targets[0].points.reason == adit::stereo::LossReason::kJump);
   CHECK(states.targets[0].points.epicenter_b_m.isZero());
-  CHECK(states.targets[0].last_seen_ns == kNever);
-  tracker.Track(PairAt(2000, FixStatus::kRecovered, FixStatus::kLost), states);
+  CHECK(states.targets[0].last_seen_ns == 1000);
+  tracker.Track(PairAt(kLaterNs + 1000, FixStatus::kRecovered, FixStatus::kLost), states);
   CHECK(states.targets[0].points.status == FixStatus::kRecovered);
-  CHECK(states.targets[0].last_seen_ns == 2000);
+  CHECK(states.targets[0].last_seen_ns == kLaterNs + 1000);
 }
 
 TEST(Tracker, HasNeverSeenWhatWasNeverFound) {

@@ -73,7 +73,7 @@ TEST(Symmetric, TheSolutionSolves) {
 }
 
 TEST(Symmetric, NormalIsTheMatrixOfTheColumnsProducts) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kMatrixSeed);
   const auto j = Random<16, 5>(random);
   const Eigen::Matrix<double, 5, 5> normal = Normal(j);
   for (int a = 0; a < 5; ++a) {

@@ -25,8 +25,8 @@ struct Minimum {
 ///   bool Evaluate(const State&, Residuals&, Jacobian&) const   false where the model has no value
 ///   State Moved(const State&, const Step&) const               the state a step away
 /// Residuals must be whitened (unit variance): the iteration ends when a step without damping is shorter than
-/// a thousandth of the estimate's own standard deviation. Declines (converged false) after 50 steps (a bar
-/// takes two or three).
+/// a ten thousandth of the estimate's own standard deviation. Declines (converged false) after 50 steps (a
+/// bar takes two or three).
 template <class Problem>
 Minimum<Problem::kParameters> Minimise(const Problem& problem, typename Problem::State& state) {
   constexpr int kParameters = Problem::kParameters;
@@ -34,7 +34,7 @@ Minimum<Problem::kParameters> Minimise(const Problem& problem, typename Problem:
   using Jacobian = Eigen::Matrix<double, Problem::kResiduals, kParameters>;
   using Step = Eigen::Matrix<double, kParameters, 1>;
   constexpr int kStepsMax = 50;
-  constexpr double kShortStep = 1e-6;  // squared, in standard deviations
+  constexpr double kShortStep = 1e-8;  // squared, in standard deviations
 
   Minimum<kParameters> minimum;
   Residuals residuals;

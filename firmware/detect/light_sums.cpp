@@ -34,22 +34,27 @@ struct FourSums {
   }
 };
 
-/// What is beyond the run may be anything, but must be readable: four pixels at a time are read.
+/// Pixels side by side, from the origin.
+struct Piece {
+  double first_x, y;  // px
+  int count;
+};
+
+/// What is beyond the piece may be anything, but must be readable: four pixels at a time are read.
 template <typename Pixel>
-ADIT_INLINE void AddRun(const Pixel* pixels, double first_x, int count, double y, int threshold_dn,
-                        FourSums& sums) {
-  Doubles g{}, gx{}, gxx{}, place = Doubles{0, 1, 2, 3} + first_x;
-  const double end = first_x + count;
-  for (int i = 0; i < count; i += kPixelsAtOnce, place += kPixelsAtOnce) {
+ADIT_INLINE void AddPiece(const Pixel* pixels, const Piece& piece, int threshold_dn, FourSums& sums) {
+  Doubles g{}, gx{}, gxx{}, place = Doubles{0, 1, 2, 3} + piece.first_x;
+  const double end = piece.first_x + piece.count;
+  for (int i = 0; i < piece.count; i += kPixelsAtOnce, place += kPixelsAtOnce) {
     const Doubles above = __builtin_convertvector(LoadFour(pixels + i) - threshold_dn, Doubles);
     const Doubles light = place < end ? above : Doubles{};
     const Doubles first = light * place;
     g += light, gx += first, gxx += first * place;
     sums.most = light > sums.most ? light : sums.most;
   }
-  const Doubles gy = g * y;
+  const Doubles gy = g * piece.y;
   sums.g += g, sums.x += gx, sums.xx += gxx;
-  sums.y += gy, sums.xy += gx * y, sums.yy += gy * y;
+  sums.y += gy, sums.xy += gx * piece.y, sums.yy += gy * piece.y;
 }
 
 /// The sums of ones: {1, x, x^2} in the lanes, times the powers of y.
@@ -77,15 +82,15 @@ ADIT_INLINE LightSums Sum(const base::ImageView& image, const RunList& runs, con
     const double x = run.begin_px - origin_px.x(), y = run.y_px - origin_px.y();
     ones.AddRun(x, count, y);
     if (run.end_px + kPixelsAtOnce - 1 <= image.width_px) {
-      AddRun(pixels, x, count, y, threshold_dn, four);
+      AddPiece(pixels, {x, y, count}, threshold_dn, four);
       continue;
     }
     // At the end of a row.
     const int most = count / kPixelsAtOnce * kPixelsAtOnce;
     std::array<Pixel, kPixelsAtOnce> rest{};
     std::memcpy(rest.data(), pixels + most, sizeof(Pixel) * static_cast<std::size_t>(count - most));
-    AddRun(pixels, x, most, y, threshold_dn, four);
-    AddRun(rest.data(), x + most, count - most, y, threshold_dn, four);
+    AddPiece(pixels, {x, y, most}, threshold_dn, four);
+    AddPiece(rest.data(), {x + most, y, count - most}, threshold_dn, four);
   }
   return {four.Light(), ones.Ones(), four.Most()};
 }

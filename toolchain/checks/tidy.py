@@ -39,7 +39,7 @@ def main(root, build, only):
     # Where the build joins sources into unity files, these are read: each header once instead of ten times.
     commands, compiled = without_precompiled(build)
     files = sorted(path for path in compiled if not only or any(o in path for o in only))
-    tests = str(root / "tests") + os.sep
+    tests = tuple(str(folder / "tests") + os.sep for folder in (root, build))
     jobs = [(path, TEST_OPTIONS if path.startswith(tests) else []) for path in files]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         faults = sorted({line for lines in pool.map(lambda job: check(commands, *job), jobs) for line in lines})

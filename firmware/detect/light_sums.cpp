@@ -16,7 +16,9 @@ using FourInts = std::int32_t __attribute__((vector_size(kPixelsAtOnce * sizeof(
 
 template <typename Pixel>
 ADIT_INLINE FourInts LoadFour(const Pixel* from) {
-  return FourInts{from[0], from[1], from[2], from[3]};
+  std::array<Pixel, kPixelsAtOnce> four;
+  std::memcpy(four.data(), from, sizeof four);  // a camera's rows may begin at odd addresses
+  return FourInts{four[0], four[1], four[2], four[3]};
 }
 
 ADIT_INLINE double Total(const Doubles& v) { return (v[0] + v[2]) + (v[1] + v[3]); }

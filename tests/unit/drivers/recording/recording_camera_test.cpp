@@ -151,8 +151,8 @@ TEST(RecordingCamera, DeliversWhatCannotBeReadAsIncompleteAndGoesOn) {
   const Replayed rig;
   RecordingCamera camera(rig.options, rig.clock);
   CHECK_TRUE(static_cast<bool>(camera.Start()));
-  const std::string second = "rec/cam0/data/" + std::to_string(kFirstNs + kPeriodNs) + ".png";
-  rig.scratch.Write(second, "not an image");
+  const auto second = std::filesystem::path("rec/cam0/data") / (std::to_string(kFirstNs + kPeriodNs) + ".png");
+  rig.scratch.Write(second.string(), "not an image");
   CameraFrame frame;
   const FrameStatus expected[] = {FrameStatus::kOk, FrameStatus::kIncomplete, FrameStatus::kOk};
   for (const FrameStatus status : expected) {

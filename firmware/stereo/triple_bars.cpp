@@ -1,10 +1,22 @@
 #include "firmware/stereo/triple_bars.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
 namespace adit::stereo {
 
 using base::kLedCount;
+
+namespace {
+
+/// The LED that a triple does not show.
+std::size_t FourthOf(const Triple& triple) {
+  const auto& taken = triple.blobs[0];
+  return static_cast<std::size_t>(std::find(taken.begin(), taken.end(), kNoBlob) - taken.begin());
+}
+
+}  // namespace
 
 TripleBars::TripleBars(const optics::Rig& rig, const std::vector<base::Target>& targets,
                        const LocatorOptions& options)
@@ -66,13 +78,14 @@ void TripleBars::Try(const Triple& triple, const BarBuilder& builder, const std:
   bars_.push_back(all);
 }
 
-/// Lights on the bar's line in space, up to a length beyond its ends, that are not its LEDs.
-int TripleBars::LightsInLine(const Bar& bar) const {
+/// Lights on the bar's line in space, up to a length beyond its ends, that are not its LEDs. Full if there
+/// may be more.
+TripleBars::LineLights TripleBars::LightsInLine(const Bar& bar, const detect::BlobSet& left) const {
   const base::Target& target = targets_[bar.triple.target];
   const auto& fit = bar.solution.fit;
   const auto& blobs = bar.solution.points.blobs;
-  int count = 0;
-  for (std::size_t i = 0; i < cloud_.size(); ++i) {
+  LineLights others;
+  for (std::size_t i = 0; i < cloud_.size() && !others.Full(); ++i) {
     const CloudPoint& c = cloud_[i];
     const auto is_led = [&](std::size_t side) {
       return std::find(blobs[side].begin(), blobs[side].end(), c.blobs[side]) != blobs[side].end();
@@ -91,18 +104,44 @@ int TripleBars::LightsInLine(const Bar& bar) const {
       on_line = on_line && views_[side].Project(fit.PointM(target, place_m), px, slope) &&
                 (px - c.px[side]).norm() <= noise_px + (side == 1 ? 0.5 * options_.epipolar_px : 0);
     }
-    count += on_line ? 1 : 0;
+    if (on_line) others.push_back({place_m, left.blobs[c.blobs[0]].flux_dn});
   }
-  return count;
+  return others;
+}
+
+/// Whether the three LEDs and the lights beside them are alike and stand at even steps, as lamps in a row do.
+/// Where the step fits, some three of a row stand exactly as LEDs do, in every pair.
+bool TripleBars::IsRow(const Bar& bar, const LineLights& others) const {
+  constexpr double kEven = 0.1;      // of a step: lamps are hung by hand
+  constexpr double kHiddenMost = 3;  // steps between neighbours: two lamps in succession may be hidden
+  constexpr double kAlike = 1.5;     // of lamps of one make, the nearer brighter, with some dust
+  constexpr double kOnLed = 0.2;  // of the bar's first gap: that light is the fourth LED, merged with another
+  const std::size_t fourth = FourthOf(bar.triple);
+  const auto& leds_m = targets_[bar.triple.target].leds_m;
+  base::FixedVector<double, kLedCount - 1 + LineLights::kCapacity> places_m;
+  for (const LineLight& other : others) {
+    if (std::abs(other.place_m - leds_m[fourth]) < kOnLed * (leds_m[1] - leds_m[0])) continue;
+    const double ratio = other.flux_dn / bar.solution.flux_dn;
+    if (ratio > kAlike || ratio * kAlike < 1) return false;
+    places_m.push_back(other.place_m);
+  }
+  if (places_m.empty()) return false;
+  for (std::size_t i = 0; i < kLedCount; ++i) {
+    if (i != fourth) places_m.push_back(leds_m[i]);
+  }
+  std::partial_sort(places_m.begin(), places_m.end(), places_m.end());
+  std::adjacent_difference(places_m.begin(), places_m.end(), places_m.begin());
+  const double step_m = *std::min_element(places_m.begin() + 1, places_m.end());
+  return std::all_of(places_m.begin() + 1, places_m.end(), [step_m](double gap_m) {
+    const double steps = std::round(gap_m / step_m);
+    return steps <= kHiddenMost && std::abs(gap_m - steps * step_m) <= kEven * step_m;
+  });
 }
 
 /// Whether nothing bright reaches to where the triple's fourth LED is in an image.
 bool TripleBars::IsDark(const Bar& bar, const BarBuilder& builder, std::size_t side) const {
   const base::Target& target = targets_[bar.triple.target];
-  const auto& taken = bar.triple.blobs[0];
-  const auto fourth =
-      static_cast<std::size_t>(std::find(taken.begin(), taken.end(), kNoBlob) - taken.begin());
-  const Eigen::Vector3d led_b_m = bar.solution.fit.PointM(target, target.leds_m[fourth]);
+  const Eigen::Vector3d led_b_m = bar.solution.fit.PointM(target, target.leds_m[FourthOf(bar.triple)]);
   const auto px = side == 0 ? rig_.left.Project(led_b_m) : rig_.right.Project(rig_.T_r_l * led_b_m);
   if (!px) return true;
   const auto reaches = [&px](const auto& box) {
@@ -117,15 +156,14 @@ bool TripleBars::IsDark(const Bar& bar, const BarBuilder& builder, std::size_t s
 
 /// Alone on its line a triple needs no more: chance does not make it. With other lights on the line some
 /// three of them may stand as three LEDs do, or two LEDs read backwards and one light; then the fourth LED
-/// must be accounted for: it is seen in one image, or lights that hide it stand in both. Of many lights
-/// nothing is concluded.
+/// must be accounted for: it is seen in one image, or lights that hide it stand in both, and the lights are
+/// no row of lamps. Of many lights nothing is concluded.
 bool TripleBars::StandsInItsLine(const Bar& bar, const BarBuilder& builder) const {
-  constexpr int kMany = 4;  // seven lights are 35 triples, and each is 24 readings of three bars
-  const int others = LightsInLine(bar);
-  if (others == 0) return true;
-  if (others >= kMany) return false;
-  const bool sees_fourth = bar.solution.seen > 2 * 3;
-  return sees_fourth || (!IsDark(bar, builder, 0) && !IsDark(bar, builder, 1));
+  const LineLights others = LightsInLine(bar, builder.Blobs(0));
+  if (others.empty()) return true;
+  if (others.Full()) return false;
+  if (bar.solution.seen > 2 * 3) return true;
+  return !IsRow(bar, others) && !IsDark(bar, builder, 0) && !IsDark(bar, builder, 1);
 }
 
 /// Another target may be seen in the same blobs, whether or not it is believed.

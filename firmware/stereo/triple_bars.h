@@ -13,8 +13,8 @@ namespace adit::stereo {
 /// Finds bars without a lock. Three points that stand right are strong evidence among scattered lamps and
 /// weak evidence where lamps stand in rows. So a bar counts only if fewer than `options.chance_max` like it
 /// are expected by chance from the density of the blobs, if its LEDs are alike in brightness, and, where
-/// other lights stand on its line, if its fourth LED is seen in one image or something hides it in both. One
-/// thread; no allocation after construction.
+/// other lights stand on its line, if its fourth LED is seen in one image or something hides it in both, and
+/// the lights are no row at even steps. One thread; no allocation after construction.
 class TripleBars {
  public:
   TripleBars(const optics::Rig& rig, const std::vector<base::Target>& targets, const LocatorOptions& options);
@@ -31,10 +31,19 @@ class TripleBars {
     Solution solution;
   };
   static constexpr std::size_t kMaxBars = 32;
+  /// A light on a bar's line that is no LED of it.
+  struct LineLight {
+    double place_m = 0;  ///< from LED 1
+    double flux_dn = 0;  ///< in the left image
+  };
+  /// Of four lights beside a triple nothing is concluded: seven lights are 35 triples, and each is 24
+  /// readings of three bars.
+  using LineLights = base::FixedVector<LineLight, 4>;
 
   void Claim(const std::vector<Finding>& findings);
   void Try(const Triple& triple, const BarBuilder& builder, const std::vector<Finding>& findings);
-  int LightsInLine(const Bar& bar) const;
+  LineLights LightsInLine(const Bar& bar, const detect::BlobSet& left) const;
+  bool IsRow(const Bar& bar, const LineLights& others) const;
   bool IsDark(const Bar& bar, const BarBuilder& builder, std::size_t side) const;
   bool StandsInItsLine(const Bar& bar, const BarBuilder& builder) const;
   bool IsContested(const Bar& bar) const;

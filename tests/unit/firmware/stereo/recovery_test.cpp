@@ -3,6 +3,7 @@
 
 #include "tests/support/allocation_guard.h"
 #include "tests/unit/firmware/stereo/chain.h"
+#include "tests/unit/firmware/stereo/hiding.h"
 
 #include <CppUTest/TestHarness.h>
 
@@ -11,40 +12,19 @@ using adit::stereo::FixStatus;
 using adit::stereo::kNoBlob;
 using adit::stereo::LossReason;
 using adit::stereo::TargetPoints;
+using adit::stereo_tests::AddLightInLine;
 using adit::stereo_tests::Chain;
 using adit::stereo_tests::ErrorSigmas;
+using adit::stereo_tests::Hide;
+using adit::stereo_tests::kBoth;
+using adit::stereo_tests::kLeft;
+using adit::stereo_tests::kRight;
 using adit::support::AheadM;
 using adit::support::SyntheticBar;
 using adit::support::SyntheticScene;
 using Eigen::Vector3d;
 
 namespace {
-
-constexpr unsigned kLeft = 1, kRight = 2, kBoth = 3;
-
-/// Removes blob `index` from the images named.
-void Hide(adit::support::BlobPair& blobs, std::size_t index, unsigned images) {
-  const auto remove = [index](adit::detect::BlobSet& set) {
-    for (std::size_t i = index; i + 1 < set.blobs.size(); ++i) set.blobs[i] = set.blobs[i + 1];
-    set.blobs.Truncate(set.blobs.size() - 1);
-  };
-  if ((images & kLeft) != 0) remove(blobs.left);
-  if ((images & kRight) != 0) remove(blobs.right);
-}
-
-/// Adds a light of an LED's brightness on the bar's line, `place_m` from LED 1.
-void AddLightInLine(SyntheticScene& scene, const SyntheticBar& bar, double place_m) {
-  auto light = bar;
-  light.target.leds_m.fill(place_m);
-  CHECK(scene.AddBar(light, 0.02));
-  for (auto* set : {&scene.Blobs().left, &scene.Blobs().right}) set->blobs.Truncate(set->blobs.size() - 3);
-}
-
-/// Leaves a region where blob `index` of an image is, as one does that merged with a lamp.
-void Obscure(adit::detect::BlobSet& set, std::size_t index) {
-  const Eigen::Vector2i px = set.blobs[index].raw_px.cast<int>();
-  set.regions.push_back({px.x() - 3, px.y() - 9, px.x() + 3, px.y() + 3});
-}
 
 /// What the tracking would say of a bar that it knows to `sigma_m` in each end.
 adit::stereo::Expectation Expect(const SyntheticBar& bar, double sigma_m) {
@@ -133,61 +113,6 @@ TEST(Recovery, SaysNothingWhenThreeLedsFitTwoTargets) {
   both.Run(scene->Blobs());
   CHECK(both.points.targets[0].reason == LossReason::kAmbiguous);
   CHECK(both.points.targets[1].reason == LossReason::kAmbiguous);
-}
-
-TEST(Recovery, DoesNotBelieveThreeLightsInARowOfLamps) {
-  // Lamps every 13 cm along the bar's own line, in both images, from an irregular start: some three of them
-  // stand as three LEDs do.
-  int reported = 0;
-  for (int trial = 0; trial < 100; ++trial) {
-    scene->Clear();
-    for (int i = 0; i < 24; ++i) {
-      AddLightInLine(*scene, bar, -0.8 + 0.13 * i + scene->Uniform(-0.03, 0.03));
-    }
-    scene->Shuffle();
-    chain.Run(scene->Blobs());
-    for (const TargetPoints& p : chain.points.targets) reported += p.status == FixStatus::kRecovered ? 1 : 0;
-  }
-  LONGS_EQUAL(0, reported);
-}
-
-TEST(Recovery, BesideAnotherLightTheFourthLedMustBeSeenOrHiddenByALight) {
-  for (std::size_t led = 0; led < 4; ++led) {
-    const auto put = [&] {
-      scene->Clear();
-      CHECK(scene->AddBar(bar, 0.02));
-      AddLightInLine(*scene, bar, 2.1);
-    };
-    put();
-    Hide(scene->Blobs(), led, kBoth);
-    CHECK(chain.Run(scene->Blobs()).reason == LossReason::kAmbiguous);
-    // A region in one image hides the LED there and not in the other.
-    put();
-    Obscure(scene->Blobs().left, led);
-    Hide(scene->Blobs(), led, kBoth);
-    CHECK(chain.Run(scene->Blobs()).status == FixStatus::kLost);
-    put();
-    Obscure(scene->Blobs().left, led);
-    Obscure(scene->Blobs().right, led);
-    Hide(scene->Blobs(), led, kBoth);
-    CHECK(chain.Run(scene->Blobs()).status == FixStatus::kRecovered);
-    CHECK(ErrorSigmas(chain.points.targets[0], bar) < 5);
-    for (const unsigned images : {kLeft, kRight}) {
-      put();
-      Hide(scene->Blobs(), led, images);
-      CHECK(chain.Run(scene->Blobs()).status == FixStatus::kRecovered);
-    }
-  }
-}
-
-TEST(Recovery, ThreeLightsThatAreNotAlikeAreNoBar) {
-  for (const float brighter : {1.1F, 1.4F}) {
-    scene->Clear();
-    CHECK(scene->AddBar(bar, 0.02));
-    Hide(scene->Blobs(), 2, kBoth);
-    for (auto* set : {&scene->Blobs().left, &scene->Blobs().right}) set->blobs[1].flux_dn *= brighter;
-    CHECK((chain.Run(scene->Blobs()).status == FixStatus::kRecovered) == (brighter < 1.2F));
-  }
 }
 
 TEST(Recovery, AnLedCoveredInPartInTheOtherImageIsNotTaken) {

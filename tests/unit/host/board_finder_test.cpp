@@ -143,7 +143,8 @@ TEST(BoardFinder, FindsEnoughOfCharucoBoardsAtTheBorderForACalibration) {
   LONGS_EQUAL(8, calibration->ImagesUsed());
   CHECK(calibration->corners < 8 * 54);
   CHECK(calibration->Coverage().MissedCorners().empty());
-  const auto error = adit::host::Intrinsics(calibration->camera) - adit::host::Intrinsics(Pinhole());
+  const adit::host::IntrinsicVector error =
+      adit::host::Intrinsics(calibration->camera) - adit::host::Intrinsics(Pinhole());
   CHECK(error.cwiseQuotient(calibration->Sigma()).cwiseAbs().maxCoeff() < 4);
   DOUBLES_EQUAL(820, calibration->camera.fu_px, 1);
 }

@@ -151,7 +151,8 @@ TEST(RecordingCamera, DeliversWhatCannotBeReadAsIncompleteAndGoesOn) {
   const Replayed rig;
   RecordingCamera camera(rig.options, rig.clock);
   CHECK_TRUE(static_cast<bool>(camera.Start()));
-  const auto second = std::filesystem::path("rec/cam0/data") / (std::to_string(kFirstNs + kPeriodNs) + ".png");
+  const auto second =
+      std::filesystem::path("rec/cam0/data") / (std::to_string(kFirstNs + kPeriodNs) + ".png");
   rig.scratch.Write(second.string(), "not an image");
   CameraFrame frame;
   const FrameStatus expected[] = {FrameStatus::kOk, FrameStatus::kIncomplete, FrameStatus::kOk};

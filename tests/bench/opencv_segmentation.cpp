@@ -1,5 +1,6 @@
 #include "tests/bench/opencv_segmentation.h"
 
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "tests/bench/bench_frames.h"
@@ -15,6 +16,8 @@ cv::Mat View(std::span<const std::uint8_t> pixels) {
 }
 
 }  // namespace
+
+void KeepOpenCvOnOneCore() { cv::setNumThreads(1); }
 
 std::size_t SegmentByContours(std::span<const std::uint8_t> pixels) {
   const cv::Mat image = View(pixels);

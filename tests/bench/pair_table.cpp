@@ -253,6 +253,7 @@ std::string MeasureIn(Pages pages) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  adit::bench::KeepOpenCvOnOneCore();
   std::string json = "{" + MeasureIn(Pages::kOrdinary) + ",\n";
   json += MeasureIn(Pages::kHuge) + "}\n";
   if (argc < 2) return 0;

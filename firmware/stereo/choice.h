@@ -27,9 +27,10 @@ bool Explains(const Solution& solution, const BarBlobs& blobs);
 /// The one solution that stands, or null with `finding.reason` set.
 ///
 /// A place and its mirror image in a plane count as the one on the cameras' side of the plane: the other is
-/// its reflection, in water or a wall. That holds too for the place where the target is `expected` (null:
-/// nowhere) but not seen, and for any place behind a mirror that is known. Of what remains, the best stands
-/// if its cost is smaller by `options.chi_square_margin`; otherwise none does (kAmbiguous).
+/// its reflection, in water or a wall. That holds too for the place where the target is `expected` or was
+/// a moment ago (null: nowhere) but not seen, and for any place behind a mirror that is known. Of what
+/// remains, the best stands if its cost is smaller by `options.chi_square_margin`; otherwise none does
+/// (kAmbiguous).
 const Solution* Choose(const LocatorOptions& options, const Solution* expected, Mirrors& mirrors,
                        Finding& finding);
 

@@ -158,9 +158,12 @@ std::bitset<identify::kMaxTargets> Locator::State::Wanted(const ExpectationSet& 
 
 void Locator::State::ChooseAll(const ExpectationSet& expectations) {
   for (std::size_t i = 0; i < targets.size(); ++i) {
+    // Nothing comes far in the half second that a target counts as seen a moment ago; its reflection is far
+    // at once.
+    const bool placed = expectations[i].known || expectations[i].recent;
     Solution place;
-    if (expectations[i].known) place = ExpectedPlace(targets[i], expectations[i]);
-    chosen[i] = Choose(options, expectations[i].known ? &place : nullptr, mirrors, findings[i]);
+    if (placed) place = ExpectedPlace(targets[i], expectations[i]);
+    chosen[i] = Choose(options, placed ? &place : nullptr, mirrors, findings[i]);
   }
   ResolveShared(options, chosen, findings);
 }

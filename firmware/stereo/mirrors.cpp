@@ -38,8 +38,7 @@ MirrorFit FitMirror(const Solution& real, const Solution& image) {
 
 double MirrorWithinM(const Solution& real, const Solution& image, const MirrorFit& fit,
                      const LocatorOptions& options) {
-  constexpr double kWaviness = 0.01;  // of the separation: surfaces that still show an image are this flat
-  return SameWithinM(real, image, options) + kWaviness * fit.separation_m;
+  return SameWithinM(real, image, options) + kMirrorWaviness * fit.separation_m;
 }
 
 /// Places farther from where a mirror showed are not said to be behind it.
@@ -69,10 +68,9 @@ void Mirrors::Set(base::TimeNs exposure_ns) {
 }
 
 bool Mirrors::IsImage(const Solution& real, const Solution& image) const {
-  constexpr double kDimmer = 1.2;  // a mirror does not amplify; a fifth for angle and noise
   const MirrorFit fit = FitMirror(real, image);
   const double within_m = MirrorWithinM(real, image, fit, options_);
-  if (!(fit.separation_m > 2 * within_m) || image.flux_dn > kDimmer * real.flux_dn) return false;
+  if (!(fit.separation_m > 2 * within_m) || image.flux_dn > kMirrorDimmer * real.flux_dn) return false;
   for (const View& view : views_) {
     if (fit.normal.dot(view.CentreM() - fit.on_plane_m) >= 0) return false;
   }

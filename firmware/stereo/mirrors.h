@@ -6,6 +6,11 @@
 
 namespace adit::stereo {
 
+/// A mirror does not amplify; a fifth for angle and noise.
+inline constexpr double kMirrorDimmer = 1.2;
+/// Of the distance between a light and its reflection: surfaces that still show an image are this flat.
+inline constexpr double kMirrorWaviness = 0.01;
+
 /// How far two places of a target may differ and still be one.
 double SameWithinM(const Solution& a, const Solution& b, const LocatorOptions& options);
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "firmware/stereo/reflected_lights.h"
+
 namespace adit::stereo {
 
 using base::kLedCount;
@@ -32,6 +34,9 @@ void TripleBars::Run(const std::bitset<identify::kMaxTargets>& wanted, const Bar
   if (wanted.none()) return;
   Claim(findings);
   cloud_.Build(builder.Blobs(0), builder.Blobs(1), claimed_, correspondence);
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    if (wanted[i]) DropReflections(builder.Blobs(0), findings[i]);
+  }
   search_.Run(cloud_, wanted, triples_);
   if (triples_.cut_short) return;
   bars_.clear();
@@ -42,7 +47,8 @@ void TripleBars::Run(const std::bitset<identify::kMaxTargets>& wanted, const Bar
     // All four LEDs in both images are as good as those that the left image showed first.
     const bool believed =
         bar.solution.complete ||
-        (triples_.chance[bar.triple.target] <= options_.chance_max && StandsInItsLine(bar, builder));
+        (!ReflectsLights(bar.solution, cloud_, builder.Blobs(0), options_) &&
+         triples_.chance[bar.triple.target] <= options_.chance_max && StandsInItsLine(bar, builder));
     if (bars_.Full() || !believed || IsContested(bar)) {
       // It came as far as any hypothesis can.
       if (finding.solutions.empty()) finding.reason = LossReason::kAmbiguous;
@@ -50,6 +56,17 @@ void TripleBars::Run(const std::bitset<identify::kMaxTargets>& wanted, const Bar
     }
     Add(options_, bar.solution, finding);
   }
+}
+
+/// Of a target that is not followed, what two lights show in a mirror.
+void TripleBars::DropReflections(const detect::BlobSet& left, Finding& finding) const {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < finding.solutions.size(); ++i) {
+    if (!ReflectsLights(finding.solutions[i], cloud_, left, options_))
+      finding.solutions[kept++] = finding.solutions[i];
+  }
+  if (kept < finding.solutions.size()) finding.reason = LossReason::kAmbiguous;
+  finding.solutions.Truncate(kept);
 }
 
 void TripleBars::Claim(const std::vector<Finding>& findings) {

@@ -19,9 +19,10 @@ class TripleBars {
  public:
   TripleBars(const optics::Rig& rig, const std::vector<base::Target>& targets, const LocatorOptions& options);
 
-  /// Adds to `findings`, by target, the bars of the targets `wanted`. `builder` and `correspondence` have the
-  /// pair set. The blobs of what was found with all four LEDs are no part of anything else: no three of them
-  /// would stand against it. Concludes nothing where the search is cut short.
+  /// Adds to `findings`, by target, the bars of the targets `wanted`; what was found of these and reflects
+  /// lights that are seen (ReflectsLights) is dropped. `builder` and `correspondence` have the pair set. The
+  /// blobs of what was found with all four LEDs are no part of anything else: no three of them would stand
+  /// against it. Concludes nothing where the search is cut short.
   void Run(const std::bitset<identify::kMaxTargets>& wanted, const BarBuilder& builder,
            const Correspondence& correspondence, std::vector<Finding>& findings);
 
@@ -40,6 +41,7 @@ class TripleBars {
   /// readings of three bars.
   using LineLights = base::FixedVector<LineLight, 4>;
 
+  void DropReflections(const detect::BlobSet& left, Finding& finding) const;
   void Claim(const std::vector<Finding>& findings);
   void Try(const Triple& triple, const BarBuilder& builder, const std::vector<Finding>& findings);
   LineLights LightsInLine(const Bar& bar, const detect::BlobSet& left) const;

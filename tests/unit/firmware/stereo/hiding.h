@@ -1,6 +1,7 @@
-// LEDs that are hidden, and lights beside them.
+// LEDs that are hidden, lights beside them, and where a bar is expected.
 #pragma once
 
+#include "firmware/stereo/expectation.h"
 #include "tests/support/synthetic_bar.h"
 
 #include <CppUTest/TestHarness.h>
@@ -31,6 +32,19 @@ inline void AddLightInLine(support::SyntheticScene& scene, const support::Synthe
 inline void Obscure(detect::BlobSet& set, std::size_t index) {
   const Eigen::Vector2i px = set.blobs[index].raw_px.cast<int>();
   set.regions.push_back({px.x() - 3, px.y() - 9, px.x() + 3, px.y() + 3});
+}
+
+/// What the tracking would say of a bar that it knows to `sigma_m` in each end.
+inline stereo::Expectation Expect(const support::SyntheticBar& bar, double sigma_m) {
+  stereo::Expectation expected;
+  expected.known = true;
+  expected.led1_b_m = bar.led1_b_m;
+  expected.direction_b = bar.direction_b;
+  const double length_m = bar.target.LengthM();
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - bar.direction_b * bar.direction_b.transpose();
+  expected.covariance.topLeftCorner<3, 3>() = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
+  expected.covariance.bottomRightCorner<3, 3>() = sigma_m * sigma_m / (length_m * length_m) * across;
+  return expected;
 }
 
 }  // namespace adit::stereo_tests

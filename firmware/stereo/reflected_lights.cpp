@@ -1,6 +1,7 @@
 #include "firmware/stereo/reflected_lights.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "firmware/stereo/mirrors.h"
 
@@ -18,9 +19,9 @@ constexpr double kNearestM = 0.2;
 constexpr double kCosineMin = 0.5;
 /// LEDs of one bar, in one mirror.
 constexpr float kAlike = 1.25F;
-/// Of the distance between a light and its reflection: by how much waves move two LEDs differently. More, and
-/// the reflection would not pass for a rigid bar.
-constexpr double kUneven = 0.0005;
+/// Of the distance between a light and its reflection: by how much waves move two LEDs differently, twice
+/// what those of half a milliradian do. Rougher water shows no rigid bar.
+constexpr double kUneven = 0.001;
 
 /// A plane between a light and its reflection.
 struct Plane {
@@ -36,7 +37,12 @@ class Search {
  public:
   Search(const Solution& bar, const PointCloud& cloud, const detect::BlobSet& left,
          const LocatorOptions& options)
-      : bar_(bar), cloud_(cloud), left_(left), options_(options) {}
+      : bar_(bar), cloud_(cloud), left_(left), options_(options) {
+    for (const std::uint16_t blob : bar.points.blobs[0]) {
+      if (blob != kNoBlob)
+        noise_px_ = std::max(noise_px_, std::sqrt(left.blobs[blob].covariance_px2.trace() / 2));
+    }
+  }
 
   /// Whether a light is none of the bar's, and bright enough to be what it reflects.
   bool MayBeReal(const CloudPoint& light) const {
@@ -54,7 +60,7 @@ class Search {
     if (!(separation_m > kNearestM)) return false;
     const Plane plane{(leds_m[led] - light.point_b_m) / separation_m, 0.5 * (leds_m[led] + light.point_b_m)};
     if (!IsSeenFrom(plane, light)) return false;
-    const double reach_px = options_.sigmas * 2 * light.noise_px +
+    const double reach_px = options_.sigmas * 2 * std::max(light.noise_px, noise_px_) +
                             kUneven * separation_m * cloud_.Views()[0].fu_px / light.depth_m[0];
     for (std::size_t i = led + 1; i < kLedCount; ++i) {
       if (HasLightAt(plane.Mirrored(leds_m[i]), light, reach_px)) return true;
@@ -100,6 +106,7 @@ class Search {
   const PointCloud& cloud_;
   const detect::BlobSet& left_;
   const LocatorOptions& options_;
+  double noise_px_ = 0;  ///< of the worst of the bar's centroids
 };
 
 }  // namespace

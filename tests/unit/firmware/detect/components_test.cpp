@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 #include <random>
 #include <tuple>
@@ -67,7 +68,11 @@ cv::Mat Noise(int width, int height, double share, unsigned seed) {
 
 }  // namespace
 
-TEST_GROUP(Components){};
+TEST_GROUP(Components){// ThreadSanitizer does not see how OpenCV's own threads take turns.
+                       TEST_SETUP(){cv::setNumThreads(1);
+}
+}
+;
 
 TEST(Components, EqualOpenCvsOnNoiseOfEveryDensityAndWidth_Seeds1To60) {
   unsigned seed = 1;

@@ -194,40 +194,22 @@ Stage MakeStage(std::size_t targets) {
   return stage;
 }
 
-std::vector<ImagePair> RenderPairs(int count, int lamps, unsigned seed) {
-  std::mt19937 random(seed);
-  const std::vector<float> noise = NoiseBank(random);
-  const support::SyntheticRig rig = support::ToedInRig();
-  std::uniform_real_distribution<double> distance_m(25, 60), lean(-0.3, 0.3);
-  std::vector<ImagePair> pairs;
-  for (int i = 0; i < count; ++i) {
-    std::vector<SyntheticBar> bars;
-    for (std::size_t t = 0; t < 2; ++t) {
-      const Eigen::Vector3d aside(t == 0 ? -1.2 : 1.2, t == 0 ? -0.8 : 0.8, 0);
-      bars.push_back(SyntheticBar::At(Targets()[t], support::Ahead(rig, distance_m(random)) + aside,
-                                      Eigen::Vector3d(1, lean(random), lean(random))));
-    }
-    pairs.push_back(Expose(rig, bars, lamps, noise, random));
-  }
-  return pairs;
-}
-
-std::vector<ImagePair> RenderDrive(int count, int lamps, unsigned seed) {
+std::vector<ImagePair> RenderDrive(int count, std::size_t bars, int lamps, unsigned seed) {
   std::mt19937 random(seed);
   const std::vector<float> noise = NoiseBank(random);
   const support::SyntheticRig rig = support::ToedInRig();
   std::vector<ImagePair> pairs;
   for (int i = 0; i < count; ++i) {
     const double turn = 2 * M_PI * i / count;
-    std::vector<SyntheticBar> bars;
-    for (std::size_t t = 0; t < Targets().size(); ++t) {
+    std::vector<SyntheticBar> driven;
+    for (std::size_t t = 0; t < bars; ++t) {
       const auto k = static_cast<double>(t);
       const Eigen::Vector3d aside((t % 2 == 0 ? -1.3 : 1.3) + 0.3 * std::sin(turn), 0.7 * (k - 1.5), 0);
-      bars.push_back(SyntheticBar::At(Targets()[t],
-                                      support::Ahead(rig, 32 + 6 * k + std::sin(turn + k)) + aside,
-                                      Eigen::Vector3d(1, 0.2 * std::sin(turn), 0.1 * k - 0.1)));
+      driven.push_back(SyntheticBar::At(Targets()[t],
+                                        support::Ahead(rig, 32 + 6 * k + std::sin(turn + k)) + aside,
+                                        Eigen::Vector3d(1, 0.2 * std::sin(turn), 0.1 * k - 0.1)));
     }
-    pairs.push_back(Expose(rig, bars, lamps, noise, random));
+    pairs.push_back(Expose(rig, driven, lamps, noise, random));
   }
   return pairs;
 }

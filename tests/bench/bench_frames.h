@@ -57,13 +57,11 @@ struct Stage {
 };
 Stage MakeStage(std::size_t targets);
 
-/// `count` different pairs: background 6 DN with noise of 1.7 DN, eight LEDs of sigma 1.2 to 2.5 px and 214
-/// DN, and `lamps` discs at full scale in each image with radii of 2 to 30 px, as lamps near the camera are.
-std::vector<ImagePair> RenderPairs(int count, int lamps, unsigned seed);
-
-/// The same with four bars that move a tenth of a metre from pair to pair, the last pair being next to the
-/// first.
-std::vector<ImagePair> RenderDrive(int count, int lamps, unsigned seed);
+/// `count` different pairs: background 6 DN with noise of 1.7 DN, bars with LEDs of sigma 1.2 to 2.5 px and
+/// 214 DN, and `lamps` discs at full scale in each image with radii of 2 to 30 px, as lamps near the camera
+/// are. The bars, one of each of MakeStage's targets, move a tenth of a metre from pair to pair, the last
+/// pair being next to the first.
+std::vector<ImagePair> RenderDrive(int count, std::size_t bars, int lamps, unsigned seed);
 
 /// What a curve varies. Spots are as small as LEDs: each becomes a blob.
 struct Crowd {

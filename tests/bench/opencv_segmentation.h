@@ -6,8 +6,8 @@
 
 namespace adit::bench {
 
-/// Keeps OpenCV to the calling thread from now on: its threshold spreads over all cores otherwise, and what is
-/// compared is one core with one core. To be called before it is measured.
+/// Keeps OpenCV to the calling thread from now on: its threshold spreads over all cores otherwise, and what
+/// is compared is one core with one core. To be called before it is measured.
 void KeepOpenCvOnOneCore();
 
 /// threshold + findContours + weighted moments of each contour's box; the number of spots.

@@ -29,6 +29,7 @@ using adit::bench::TimeUs;
 
 constexpr int kPairs = 64;  // 183 MB: more than any cache holds
 constexpr int kPasses = 8;  // and one before them that is not counted
+constexpr std::size_t kBars = 2;
 constexpr int kScenarios[] = {0, 20, 60, 200};
 constexpr adit::base::DurationNs kPeriodNs = adit::base::kNsPerS / 60;
 constexpr int kComponentsEvery = 8;  // it takes a hundred times as long
@@ -115,7 +116,7 @@ struct Row {
 };
 
 Row MeasureScenario(int lamps, const std::vector<ImagePair>& pairs) {
-  Product product(adit::bench::MakeStage(2), false);
+  Product product(adit::bench::MakeStage(kBars), false);
   Row row;
   row.scenario = "lamps_" + std::to_string(lamps);
   std::size_t sink = 0;
@@ -134,7 +135,7 @@ Row MeasureScenario(int lamps, const std::vector<ImagePair>& pairs) {
               adit::bench::SegmentByContours(turn(32).right.Pixels());
     });
     if (i < kPairs) continue;  // the first pass fills tables and caches
-    row.tracked += tracked, row.sought += 2;
+    row.tracked += tracked, row.sought += static_cast<int>(kBars);
     row.read_us.push_back(read_us), row.pair_us.push_back(pair_us), row.contours_us.push_back(contours_us);
     row.pair_over_read.push_back(pair_us / read_us), row.contours_over_pair.push_back(contours_us / pair_us);
     row.contours_over_read.push_back(contours_us / read_us);
@@ -240,12 +241,12 @@ std::string MeasureIn(Pages pages) {
               "pair/read", "contours/pair", "contours/read", "components/pair", "2/1 cores", "tracked");
   std::string json = huge ? "\"pairs_huge_pages\": [\n" : "\"pairs\": [\n";
   for (const int lamps : kScenarios) {
-    const Row row = MeasureScenario(lamps, InPages(adit::bench::RenderPairs(kPairs, lamps, 1), pages));
+    const Row row = MeasureScenario(lamps, InPages(adit::bench::RenderDrive(kPairs, kBars, lamps, 1), pages));
     Print(row);
     json += (lamps == kScenarios[0] ? "" : ",\n") + Json(row);
   }
   const Following following =
-      MeasureFollowing(InPages(adit::bench::RenderDrive(kPairs, kLampsFollowing, 1), pages));
+      MeasureFollowing(InPages(adit::bench::RenderDrive(kPairs, kFollowed, kLampsFollowing, 1), pages));
   Print(following);
   return json + (huge ? "\n],\n\"following_huge_pages\": " : "\n],\n\"following\": ") + Json(following);
 }

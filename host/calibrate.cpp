@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "drivers/linux/atomic_file.h"
 #include "firmware/optics/rig.h"
 #include "host/bar_finder.h"
 #include "host/calibrate_report.h"
@@ -105,9 +104,9 @@ int RunCalibrate(const CalibrateArguments& arguments) {
   options.similarity_max_rad = arguments.similarity_max_deg * kRadPerDeg;
   const auto calibration = Calibrate(*input, options);
   if (!calibration) return Fail("calibrate", calibration.error());
-  if (auto written = linux::WriteFileAtomically(arguments.out, FormatCalibration(*calibration)); !written)
-    return Fail("calibrate", written.error());
-  if (auto written = WriteReport(MakeCalibrateReport(*input, *calibration), arguments.report); !written)
+  if (auto written = WriteReport(MakeCalibrateReport(*input, *calibration), arguments.report,
+                                 {{arguments.out, FormatCalibration(*calibration)}});
+      !written)
     return Fail("calibrate", written.error());
   std::cout << Summary(*calibration) << LightsText(*calibration, *input) << WrongPairs(*calibration, *input)
             << VerdictText(*calibration);

@@ -4,8 +4,9 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "drivers/linux/atomic_file.h"
 #include "host/comparison.h"
 #include "host/evaluate_report.h"
 #include "host/failure.h"
@@ -34,12 +35,10 @@ int EvaluateTrack(const EvaluateArguments& arguments) {
     error.where = arguments.truth;
     return Fail("evaluate", error);
   }
-  if (!arguments.json.empty()) {
-    if (auto written = linux::WriteFileAtomically(arguments.json, FormatJson(*comparison)); !written)
-      return Fail("evaluate", written.error());
-  }
+  std::vector<linux::FileText> figures;
+  if (!arguments.json.empty()) figures.push_back({arguments.json, FormatJson(*comparison)});
   const ReportPage page = MakeEvaluateReport(*comparison, arguments.track, arguments.truth);
-  if (auto written = WriteReport(page, {arguments.report, ""}); !written)
+  if (auto written = WriteReport(page, {arguments.report, ""}, std::move(figures)); !written)
     return Fail("evaluate", written.error());
   std::cout << FormatTable(*comparison);
   return 0;

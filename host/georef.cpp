@@ -5,9 +5,9 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "drivers/linux/atomic_file.h"
 #include "firmware/optics/rig.h"
 #include "host/failure.h"
 #include "host/georef_page.h"
@@ -116,14 +116,14 @@ int RunGeoref(const GeorefArguments& arguments) {
   const auto outcome = Georeference(arguments);
   if (!outcome) return Fail("georef", outcome.error());
   std::cout << FormatGeorefReport(outcome->result, outcome->origin) << std::flush;
-  if (auto written = WriteReport(MakeGeorefPage(outcome->result, outcome->origin), arguments.report);
+  const auto refusal = outcome->result.Refusal();
+  std::vector<linux::FileText> results;
+  if (!refusal) results.push_back({arguments.out, FormatGeorefFile(outcome->result, outcome->origin)});
+  if (auto written =
+          WriteReport(MakeGeorefPage(outcome->result, outcome->origin), arguments.report, std::move(results));
       !written)
     return Fail("georef", written.error());
-  if (const auto refusal = outcome->result.Refusal())
-    return Fail("georef", {base::ErrorCode::kFailed, arguments.points, *refusal});
-  const std::string text = FormatGeorefFile(outcome->result, outcome->origin);
-  if (auto written = linux::WriteFileAtomically(arguments.out, text); !written)
-    return Fail("georef", written.error());
+  if (refusal) return Fail("georef", {base::ErrorCode::kFailed, arguments.points, *refusal});
   return 0;
 }
 

@@ -4,9 +4,9 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "drivers/linux/atomic_file.h"
 #include "host/board_image.h"
 #include "host/failure.h"
 #include "host/intrinsics_report.h"
@@ -67,16 +67,15 @@ int RunIntrinsics(const IntrinsicsArguments& arguments) {
   const auto calibration =
       CalibrateIntrinsics(std::move(found->views), found->size_px.width, found->size_px.height);
   if (!calibration) return Fail(name, calibration.error());
-  if (auto written = linux::WriteFileAtomically(arguments.out, FormatIntrinsics(*calibration)); !written)
-    return Fail(name, written.error());
+  std::vector<linux::FileText> results{{arguments.out, FormatIntrinsics(*calibration)}};
   if (!arguments.coverage.empty()) {
     const auto png = DrawCoverage(calibration->Coverage(), calibration->marks,
                                   {found->size_px.width, found->size_px.height}, calibration->sigma0_px);
-    const std::string bytes(png.begin(), png.end());
-    if (auto written = linux::WriteFileAtomically(arguments.coverage, bytes); !written)
-      return Fail(name, written.error());
+    results.push_back({arguments.coverage, std::string(png.begin(), png.end())});
   }
-  if (auto written = WriteReport(MakeIntrinsicsReport(*calibration, *board), arguments.report); !written)
+  if (auto written =
+          WriteReport(MakeIntrinsicsReport(*calibration, *board), arguments.report, std::move(results));
+      !written)
     return Fail(name, written.error());
   std::cout << Summary(*calibration, *board);
   return 0;

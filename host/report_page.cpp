@@ -3,7 +3,6 @@
 #include <sstream>
 #include <utility>
 
-#include "drivers/linux/atomic_file.h"
 #include "host/report_text.h"
 
 namespace adit::host {
@@ -231,12 +230,11 @@ std::string ReportPage::Json() const {
   return out.str();
 }
 
-base::Result<void> WriteReport(const ReportPage& page, const ReportFiles& files) {
-  if (!files.html.empty()) {
-    if (auto written = linux::WriteFileAtomically(files.html, page.Html()); !written) return written;
-  }
-  if (!files.json.empty()) return linux::WriteFileAtomically(files.json, page.Json());
-  return {};
+base::Result<void> WriteReport(const ReportPage& page, const ReportFiles& files,
+                               std::vector<linux::FileText> others) {
+  if (!files.html.empty()) others.push_back({files.html, page.Html()});
+  if (!files.json.empty()) others.push_back({files.json, page.Json()});
+  return linux::WriteFilesAtomically(others);
 }
 
 }  // namespace adit::host

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "drivers/linux/atomic_file.h"
 #include "firmware/base/result.h"
 #include "host/plot_svg.h"
 
@@ -81,7 +82,8 @@ struct ReportFiles {
   std::string html, json;
 };
 
-/// Writes what was asked for, each file atomically.
-base::Result<void> WriteReport(const ReportPage& page, const ReportFiles& files);
+/// Writes what was asked for, and `others` with it (what the report is about, first): all files or none.
+base::Result<void> WriteReport(const ReportPage& page, const ReportFiles& files,
+                               std::vector<linux::FileText> others = {});
 
 }  // namespace adit::host

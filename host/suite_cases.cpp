@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <iostream>
+#include <utility>
 #include <vector>
 
-#include "drivers/linux/atomic_file.h"
 #include "drivers/sim/random.h"
 #include "host/failure.h"
 
@@ -37,13 +37,12 @@ int RunCases(std::span<const SuiteCase> cases, const SuiteOrder& order, const st
     std::cout << FormatSuiteTable(reports.back()) << std::flush;
   }
   std::cout << caveat << "\n";
-  if (!order.json.empty()) {
-    const std::string json = FormatSuiteJson(reports, order.suite, order.seed);
-    if (auto written = linux::WriteFileAtomically(order.json, json); !written)
-      return Fail("evaluate", written.error());
-  }
+  std::vector<linux::FileText> figures;
+  if (!order.json.empty()) figures.push_back({order.json, FormatSuiteJson(reports, order.suite, order.seed)});
   const std::string origin = "suite " + order.suite + ", seed " + std::to_string(order.seed);
-  if (auto written = WriteReport(MakeSuitePage(reports, origin, caveat), {order.report, ""}); !written)
+  if (auto written =
+          WriteReport(MakeSuitePage(reports, origin, caveat), {order.report, ""}, std::move(figures));
+      !written)
     return Fail("evaluate", written.error());
   const bool holds =
       std::all_of(reports.begin(), reports.end(), [](const SuiteReport& r) { return r.Holds(); });

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "drivers/linux/atomic_file.h"
 #include "firmware/identify/model.h"
@@ -26,12 +27,12 @@ base::Result<void> WriteTargets(const TargetDesign& design, const std::string& f
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) return base::Error{base::ErrorCode::kNotFound, folder, "cannot be made: " + failed.message()};
+  std::vector<linux::FileText> files;
   for (const base::Target& target : design.targets) {
-    const std::string path = (std::filesystem::path(folder) / (target.name + ".yaml")).string();
-    if (auto written = linux::WriteFileAtomically(path, identify::FormatTarget(target)); !written)
-      return written;
+    files.push_back(
+        {(std::filesystem::path(folder) / (target.name + ".yaml")).string(), identify::FormatTarget(target)});
   }
-  return {};
+  return linux::WriteFilesAtomically(files);
 }
 
 int RunDesign(DesignArguments arguments) {

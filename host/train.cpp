@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "drivers/linux/atomic_file.h"
 #include "firmware/optics/rig.h"
 #include "host/failure.h"
 #include "host/repeated_path.h"
@@ -111,9 +110,9 @@ int RunTrain(const TrainArguments& arguments) {
   model.trained_on =
       (training->images.empty() ? "" : std::to_string(training->review.one) + " images, and ") +
       GeometryText(arguments, order->options);
-  if (auto written = linux::WriteFileAtomically(arguments.out, identify::FormatModel(model)); !written)
-    return Fail("train", written.error());
-  if (auto written = WriteReport(MakeTrainReport(*training), arguments.report); !written)
+  if (auto written = WriteReport(MakeTrainReport(*training), arguments.report,
+                                 {{arguments.out, identify::FormatModel(model)}});
+      !written)
     return Fail("train", written.error());
   if (!training->images.empty()) PrintReview(*training);
   for (const std::string& warning : TrainingWarnings(*training)) std::cout << "note: " << warning << "\n";

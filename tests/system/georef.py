@@ -139,6 +139,11 @@ def refuse(work, points):
     refused(work, 2, ["bad.gsi:1", "83..16+00000000000-----", "no value"], georef(work, work / "bad.gsi"))
     (work / "cut.gsi").write_text("110001+0bar_a.1 81..00+12367143 82..00+98799243 83..00+00432660\n")
     refused(work, 2, ["cut.gsi:1", "81..00+12367143", "--gsi8-offset-m"], georef(work, work / "cut.gsi"))
+    # Nothing half written: neither the page without its georeference nor the other way round.
+    refused(work, 1, ["absent/page.json"], georef(work, work / "wrong.csv", "--exclude", "bar_b.2", "--report",
+                                                  work / "left.html", "--json", work / "absent/page.json"))
+    expect(not (work / "left.html").exists(), "no page is left behind")
+    refused(work, 2, ["two outputs"], georef(work, work / "points.csv", "--report", work / "georef.yaml"))
     refused(work, 1, ["none.csv"], georef(work, work / "none.csv"))
     refused(work, 2, ["--exclude P9", "points.csv"], georef(work, work / "points.csv", "--exclude", "P9"))
     refused(work, 2, ["--track, --recording"], georef(work, work / "points.csv", "--recording", work / "still"))

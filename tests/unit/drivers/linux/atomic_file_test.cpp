@@ -14,6 +14,7 @@
 
 using adit::linux::Flush;
 using adit::linux::WriteFileAtomically;
+using adit::linux::WriteFilesAtomically;
 namespace fs = std::filesystem;
 
 namespace {
@@ -130,6 +131,42 @@ TEST(AtomicFile, KeepsTheOldFileAndCleansUpWhenTheDiskFillsHalfWay) {
   STRCMP_EQUAL((path + ": cannot be written: writing: File too large").c_str(), done.error().Line().c_str());
   CHECK(Content(path) == "old");
   CHECK_EQUAL(1, FilesIn(folder));
+}
+
+TEST(AtomicFile, WritesAllOfSeveralFiles) {
+  CHECK(!!WriteFilesAtomically({{(folder / "a").string(), "first"}, {(folder / "b").string(), "second"}}));
+  CHECK(Content(folder / "a") == "first");
+  CHECK(Content(folder / "b") == "second");
+  CHECK_EQUAL(2, FilesIn(folder));
+}
+
+TEST(AtomicFile, WritesNoneOfSeveralFilesIfOneCannotBe) {
+  CHECK(!!WriteFileAtomically((folder / "old").string(), "old"));
+  const std::string missing = (folder / "missing" / "page").string();
+  const auto done = WriteFilesAtomically(
+      {{(folder / "old").string(), "new"}, {(folder / "first").string(), "x"}, {missing, "y"}});
+  CHECK_FALSE(done);
+  STRCMP_CONTAINS((missing + ": cannot be written").c_str(), done.error().Line().c_str());
+  CHECK(Content(folder / "old") == "old");
+  CHECK_EQUAL(1, FilesIn(folder));
+}
+
+TEST(AtomicFile, RefusesTwoTextsForOneFile) {
+  CHECK(!!WriteFileAtomically((folder / "old").string(), "old"));
+  fs::create_symlink("old", folder / "link");
+  fs::create_directory(folder / "sub");
+  const auto refused = [this](const char* a, const char* b) {
+    const auto done = WriteFilesAtomically({{(folder / a).string(), "1"}, {(folder / b).string(), "2"}});
+    CHECK_FALSE(done);
+    STRCMP_EQUAL(((folder / b).string() + ": is named for two outputs; give each a file of its own").c_str(),
+                 done.error().Line().c_str());
+    CHECK_EQUAL(2, done.error().ExitCode());
+  };
+  refused("new", "new");
+  refused("new", "sub/../new");
+  refused("old", "link");
+  CHECK(Content(folder / "old") == "old");
+  CHECK_FALSE(fs::exists(folder / "new"));
 }
 
 TEST(AtomicFile, StepsOverATemporaryFileThatAKilledProcessLeft) {

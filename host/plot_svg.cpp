@@ -113,7 +113,10 @@ class PlotDrawing {
       }
     }
     for (const PlotVectors& vectors : plot_.vectors) {
-      for (const Vector2d& place : vectors.places) Include(place);
+      for (std::size_t i = 0; i < vectors.places.size(); ++i) {
+        Include(vectors.places[i]);
+        Include(vectors.places[i] + vectors.magnified * vectors.steps[i]);
+      }
     }
     for (const PlotHistogram& histogram : plot_.histograms) {
       for (std::size_t i = 0; i < histogram.counts.size(); ++i)

@@ -1,6 +1,8 @@
 #include "host/report_page.h"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <string>
 
@@ -161,6 +163,21 @@ TEST(ReportPage, SaysWhenThereIsNothingToDraw) {
   CHECK_FALSE(Has(PlotSvg(single), "inf"));
 }
 
+TEST(ReportPage, ShowsArrowsToTheirTips) {
+  Plot plot;
+  plot.vectors.push_back({"residual", "m", 50, {{0, 0}, {1, 0}}, {{0.02, 0}, {0.04, 0.01}}});
+  const std::string svg = PlotSvg(plot);
+  const auto after = [&svg](const char* key, std::size_t from) {
+    return std::stod(svg.substr(svg.find(key, from) + std::string(key).size()));
+  };
+  const std::size_t frame = svg.find("<rect ");
+  const double right = after("x=\"", frame) + after("width=\"", frame);
+  double farthest = 0;
+  for (std::size_t at = svg.find("x2=\""); at != std::string::npos; at = svg.find("x2=\"", at + 1))
+    farthest = std::max(farthest, after("x2=\"", at));
+  CHECK_COMPARE(farthest, <=, right);
+}
+
 // A metre must be as long to the right as upwards: a square of points stays one.
 TEST(ReportPage, KeepsOneScaleOnMaps) {
   Plot map;
@@ -172,4 +189,21 @@ TEST(ReportPage, KeepsOneScaleOnMaps) {
     places.emplace_back(std::stod(svg.substr(at + 4)), std::stod(svg.substr(svg.find("cy=\"", at) + 4)));
   LONGS_EQUAL(3, places.size());
   DOUBLES_EQUAL(places[1].first - places[0].first, places[0].second - places[2].second, 0.1);
+}
+
+// A rig file without the page that it was to be judged by is half a result.
+TEST(ReportPage, IsWrittenWithWhatItIsAboutOrNotAtAll) {
+  namespace fs = std::filesystem;
+  std::string name = (fs::temp_directory_path() / "adit-report-XXXXXX").string();
+  CHECK(mkdtemp(name.data()) != nullptr);
+  const fs::path folder = name;
+  const ReportPage page("calibrate", "a rig", "a recording");
+  const std::string rig = folder / "rig.yaml", html = folder / "page.html";
+  CHECK_FALSE(WriteReport(page, {html, folder / "missing" / "page.json"}, {{rig, "rig"}}));
+  CHECK(fs::is_empty(folder));
+  CHECK_FALSE(WriteReport(page, {rig, ""}, {{rig, "rig"}}));
+  CHECK(fs::is_empty(folder));
+  CHECK(!!WriteReport(page, {html, folder / "page.json"}, {{rig, "rig"}}));
+  CHECK(fs::exists(rig) && fs::exists(html) && fs::exists(folder / "page.json"));
+  fs::remove_all(folder);
 }

@@ -11,9 +11,9 @@ namespace adit::host {
 namespace {
 
 // What must hold, from the project's promise for the demo.
-constexpr double kRateHz = 60;
+constexpr double kDemoRateHz = 60;
 constexpr double kRateShare = 0.99;  // of 60 pairs a second; the run's ends cut a pair or two
-constexpr double kTrackedPct = 99;
+constexpr double kDemoTrackedPct = 99;
 constexpr double kRmsLimitM = 0.005, kRmsFromM = 20, kRmsToM = 50;
 constexpr double kSamePositionM = 0.5;  // CAN and Modbus are read an epoch apart, and the loader moves
 
@@ -75,7 +75,7 @@ void AddTracking(const Comparison& comparison, std::vector<DemoFinding>& finding
   }
   const double pct = visible == 0 ? 0 : 100.0 * static_cast<double>(tracked) / static_cast<double>(visible);
   findings.push_back(
-      {"tracked of visible", Figure("%.2f %% of %zu", pct, visible), ">= 99 %", pct >= kTrackedPct});
+      {"tracked of visible", Figure("%.2f %% of %zu", pct, visible), ">= 99 %", pct >= kDemoTrackedPct});
   findings.push_back(
       {"false positions", Figure("%zu", comparison.false_positions), "0", comparison.false_positions == 0});
   const Errors near = ErrorsBetween(comparison, kRmsFromM, kRmsToM);
@@ -97,7 +97,7 @@ DemoFinding PairFinding(const std::vector<pipeline::TrackRow>& track) {
                         static_cast<double>(base::kNsPerS);
   const double rate_hz = span_s > 0 ? static_cast<double>(pairs - 1) / span_s : 0;
   return {"pairs", Figure("%zu in %.1f s, %.2f /s", pairs, span_s, rate_hz), ">= 59.4 /s",
-          rate_hz >= kRateShare * kRateHz};
+          rate_hz >= kRateShare * kDemoRateHz};
 }
 
 /// Names the counters of what was lost: where it went wrong is in which of them rose.

@@ -12,7 +12,7 @@ namespace adit::host {
 namespace {
 
 constexpr double kChi2Max = 31.3;  // 99.9 % of 11 degrees of freedom: 16 residuals, 5 parameters
-constexpr int kStepsMax = 20;
+constexpr int kPlaceStepsMax = 20;
 
 RawPair PairOf(const StereoBar& bar, std::size_t led) {
   return {bar.left[led].raw_px, bar.right[led].raw_px};
@@ -88,7 +88,7 @@ std::optional<FittedBar> FitBar(const BundleSetting& setting, const optics::Rig&
                                                 at.data()};
   std::array<double*, 5> jacobians{nullptr, nullptr, nullptr, nullptr, jacobian.data()};
   // Gauss-Newton: the start is within noise of the end.
-  for (int i = 0; i < kStepsMax; ++i) {
+  for (int i = 0; i < kPlaceStepsMax; ++i) {
     if (!cost.Evaluate(parameters.data(), residual.data(), jacobians.data())) return std::nullopt;
     const Eigen::Matrix<double, kBarSize, kBarSize> normal = jacobian.transpose() * jacobian;
     const Eigen::Matrix<double, kBarSize, 1> gradient = jacobian.transpose() * residual;

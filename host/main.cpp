@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "host/calibrate.h"
+#include "host/command_rules.h"
 #include "host/config.h"
 #include "host/demo.h"
 #include "host/diff.h"
@@ -37,6 +38,7 @@ int main(int argc, char** argv) {
   adit::host::AddConfig(app, exit_code);
   adit::host::AddLatency(app, exit_code);
   adit::host::AddDemo(app, exit_code);
+  adit::host::AddCommandRules(app);
   // CLI11 would only say that a command is missing.
   const auto is_named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_named).empty()) {

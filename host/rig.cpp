@@ -1,7 +1,6 @@
 #include "host/rig.h"
 
 #include <Eigen/Geometry>
-#include <filesystem>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -42,10 +41,6 @@ base::Result<CameraTurn> TurnOf(const Arguments& arguments) {
 }
 
 int Correct(const Arguments& arguments) {
-  // The calibration in use stays as it is: whoever is to go back to it finds it.
-  std::error_code none;
-  if (std::filesystem::equivalent(arguments.rig, arguments.out, none))
-    return Fail("rig correct", {base::ErrorCode::kOutOfRange, "--out", "names the rig file itself"});
   if (arguments.health.empty() && arguments.turn_urad.empty())
     return Fail("rig correct", {base::ErrorCode::kUsage, "--health",
                                 "is missing; give the box's health report, or --turn-urad and --sigma-urad"});

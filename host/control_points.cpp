@@ -214,6 +214,9 @@ base::Result<ControlFile> LoadControlPoints(const std::string& path,
   auto points = ending == ".csv" ? ParseControlCsv(*bytes, path) : ParseGsi(*bytes, path, gsi8_offset_m);
   if (!points) return points.error();
   if (points->empty()) return Error{ErrorCode::kMalformed, path, "holds no point with coordinates"};
+  const auto has_offset = [](const ControlPoint& point) { return point.has_offset; };
+  if (gsi8_offset_m && std::none_of(points->begin(), points->end(), has_offset))
+    return Error{ErrorCode::kUsage, "--gsi8-offset-m", "is given, but " + path + " holds no GSI-8"};
   return ControlFile{path, Crc32(*bytes), std::move(*points)};
 }
 

@@ -25,6 +25,7 @@ struct ControlPoint {
   std::size_t line = 0;           ///< in the file, from 1
   std::array<Coordinate, 3> enh;  ///< easting, northing, height
   std::optional<double> sigma_m;  ///< one standard deviation of each coordinate, where the file says it
+  bool has_offset = false;        ///< GSI-8, to which the offset was added
 };
 
 /// Control points with the file they come from.
@@ -47,7 +48,7 @@ struct ControlFile {
 base::Result<std::vector<ControlPoint>> ParseControlCsv(std::string_view text, const std::string& path);
 
 /// Reads a file: .csv, or .gsi (see gsi.h), by its ending. Declines when it has another ending, cannot be
-/// read, is larger than 16 MiB or holds no point.
+/// read, is larger than 16 MiB, holds no point, or holds no GSI-8 for the offset that is given.
 base::Result<ControlFile> LoadControlPoints(const std::string& path,
                                             const std::optional<Eigen::Vector3d>& gsi8_offset_m);
 

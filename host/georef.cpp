@@ -76,6 +76,16 @@ HelmertOptions HelmertOptionsOf(const GeorefArguments& arguments) {
   return options;
 }
 
+/// The points of the file that none of `matched` is.
+std::vector<std::string> NamesWithout(const ControlFile& control, const std::vector<MatchedPoint>& matched) {
+  std::vector<std::string> names;
+  for (const ControlPoint& point : control.points) {
+    const auto is_it = [&point](const MatchedPoint& match) { return match.common.name == point.name; };
+    if (std::none_of(matched.begin(), matched.end(), is_it)) names.push_back(point.name);
+  }
+  return names;
+}
+
 struct GeorefOutcome {
   Georeferencing result;
   GeorefOrigin origin;
@@ -94,6 +104,7 @@ base::Result<GeorefOutcome> Georeference(const GeorefArguments& arguments) {
   if (!track) return track.error();
   auto points = MatchPoints(*control, *track, *match_options);
   if (!points) return points.error();
+  std::vector<std::string> unmatched = NamesWithout(*control, *points);
   auto result = Adjust(std::move(*points), HelmertOptionsOf(arguments),
                        {arguments.rms_limit_mm * 1e-3, arguments.residual_limit_mm * 1e-3});
   if (!result) return base::Error{result.error().code, arguments.points, result.error().detail};
@@ -105,7 +116,8 @@ base::Result<GeorefOutcome> Georeference(const GeorefArguments& arguments) {
                       rig->calibration_id,
                       Utc(newest_ns),
                       arguments.surveyor,
-                      std::nullopt};
+                      std::nullopt,
+                      std::move(unmatched)};
   if (const auto previous = georef::LoadOrientation(arguments.out, rig->calibration_id))
     origin.previous = *previous;
   return GeorefOutcome{std::move(*result), std::move(origin)};

@@ -151,6 +151,7 @@ ReportPage MakeGeorefPage(const Georeferencing& result, const GeorefOrigin& orig
               {"limit_rms_mm", "allowed", ReportNumber(1e3 * result.limits.rms_m, 1), "mm"},
               {"largest_mm", "largest residual", ReportNumber(1e3 * result.largest_m, 1), "mm"},
               {"limit_residual_mm", "allowed", ReportNumber(1e3 * result.limits.residual_m, 1), "mm"}});
+  if (!origin.unmatched.empty()) page.Paragraph(UnmatchedText(origin.unmatched));
   page.Section("Parameters");
   page.Add(ParameterTable(result));
   page.Section("Points");

@@ -1,6 +1,7 @@
 #include "host/georef_report.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -48,7 +49,9 @@ class ReportWriter {
           << "parameters   " << options.Parameters() << ": translation, heading"
           << (options.estimate_tilt ? ", tilt" : "") << (options.estimate_scale ? ", scale" : "")
           << "; grid scale factor " << std::setprecision(8) << options.grid_scale_factor << " (given)\n"
-          << "points       " << result_.used << " used of " << result_.points.size() << " compared\n\n";
+          << "points       " << result_.used << " used of " << result_.points.size() << " compared\n";
+    if (!origin_.unmatched.empty()) text_ << "             " << UnmatchedText(origin_.unmatched) << "\n";
+    text_ << "\n";
   }
 
   void Parameter(const char* name, int decimals, double value, double sigma) {
@@ -187,6 +190,13 @@ Matrix3d LevelFrame(double pitch_rad, double roll_rad) {
       (Eigen::AngleAxisd(pitch_rad, Vector3d::UnitX()) * Eigen::AngleAxisd(roll_rad, Vector3d::UnitY()))
           .toRotationMatrix();
   return tilt * HelmertOptions{}.R_level_b;
+}
+
+std::string UnmatchedText(const std::vector<std::string>& names) {
+  constexpr std::size_t kShown = 8;
+  std::string text = std::to_string(names.size()) + " more in the control file, not in the track: ";
+  for (std::size_t i = 0; i < std::min(kShown, names.size()); ++i) text += (i > 0 ? ", " : "") + names[i];
+  return text + (names.size() > kShown ? " ..." : "");
 }
 
 std::string FormatGeorefReport(const Georeferencing& result, const GeorefOrigin& origin) {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/georeferencing.h"
 
@@ -17,6 +18,7 @@ struct GeorefOrigin {
   std::string time;                                     ///< of the newest measurement, UTC
   std::string surveyor;                                 ///< who; empty: not told
   std::optional<georef::AbsoluteOrientation> previous;  ///< that the new one takes the place of
+  std::vector<std::string> unmatched = {};              ///< points of the control file that the track lacks
 };
 
 /// Heading (azimuth of the optical axis, clockwise from grid north), pitch (axis upwards), roll (right side
@@ -31,6 +33,10 @@ Eigen::Vector3d AttitudeSigma(const Georeferencing& result);
 /// Turns the rig frame into one with x right, y forward in the plane, z up, for a rig of this pitch and roll:
 /// HelmertOptions::R_level_b.
 Eigen::Matrix3d LevelFrame(double pitch_rad, double roll_rad);
+
+/// How many points of the control file name nothing that the track has, and the first of them: a mistyped
+/// name must not pass for a point that was not wanted.
+std::string UnmatchedText(const std::vector<std::string>& names);
 
 /// Parameters with standard deviations, sigma0, redundancy, scale in ppm, each point with its residuals and
 /// tests, rms, limits and verdict; ASCII, lines of at most 150 characters for usual names.

@@ -65,7 +65,10 @@ class BlockReader {
       if (auto read = ReadCoordinate(*word, point.enh[static_cast<std::size_t>(axis)]); !read)
         return read.error();
       auto& value_m = point.enh[static_cast<std::size_t>(axis)].value_m;
-      if (!gsi16_ && value_m) *value_m += (*gsi8_offset_m)[axis];
+      if (!gsi16_ && value_m) {
+        *value_m += (*gsi8_offset_m)[axis];
+        point.has_offset = true;
+      }
     }
     if (!has_coordinates) return std::optional<ControlPoint>{};
     if (point.name.empty()) return Error{ErrorCode::kMalformed, where_, "has coordinates but no word 11"};

@@ -147,6 +147,13 @@ def refuse(work, points):
     refused(work, 1, ["none.csv"], georef(work, work / "none.csv"))
     refused(work, 2, ["--exclude P9", "points.csv"], georef(work, work / "points.csv", "--exclude", "P9"))
     refused(work, 2, ["--track, --recording"], georef(work, work / "points.csv", "--recording", work / "still"))
+    refused(work, 2, ["--rms-limit-mm", "finite"], georef(work, work / "wrong.csv", "--rms-limit-mm", "nan"))
+    refused(work, 2, ["--out", "--points"], [*georef(work, work / "points.csv")[:-1], work / "points.csv"])
+    mistyped = {name.replace("bar_a.1", "bar_a.5"): enh for name, enh in points.items()}
+    write_csv(work / "mistyped.csv", mistyped)
+    report = must(*georef(work, work / "mistyped.csv"))
+    expect("1 more in the control file, not in the track: bar_a.5" in report, "a mistyped point is told")
+    must(*georef(work, work / "points.csv"))
     refused(work, 2, ["--parameters"], georef(work, work / "points.csv", "--parameters", "5"))
 
 

@@ -91,6 +91,21 @@ TEST(ControlPoints, LoadsByTheEndingOfTheFile) {
                   LoadComplaint("", "control_points_test.tmp.txt").c_str());
 }
 
+// The digits that it is to bring back are not missing there; whoever gives it takes the file for another.
+TEST(ControlPoints, RefusesAnOffsetForGsi8WhereThereIsNone) {
+  const std::string gsi = "control_points_test.tmp.gsi";
+  const auto complaint = [](const std::string& text, const std::string& path) {
+    std::ofstream(path, std::ios::binary) << text;
+    const auto file = LoadControlPoints(path, Eigen::Vector3d(1, 2, 3));
+    std::remove(path.c_str());
+    return file ? "" : file.error().Line();
+  };
+  STRCMP_EQUAL("", complaint("11....+00000473 81..00+65385748\n", gsi).c_str());
+  STRCMP_EQUAL(("--gsi8-offset-m: is given, but " + gsi + " holds no GSI-8").c_str(),
+               complaint("*110001+0000000000009001 81..10+0000000698460332\n", gsi).c_str());
+  STRCMP_CONTAINS("holds no GSI-8", complaint(kHeader + "a,1,2,3,\n", kPath).c_str());
+}
+
 TEST(ControlPoints, RefusesWhatIsNoTextOrHoldsNothing) {
   STRCMP_CONTAINS("holds no point", LoadComplaint(kHeader).c_str());
   STRCMP_CONTAINS("holds no point", LoadComplaint("").c_str());

@@ -140,17 +140,18 @@ ReportPage MakeGeorefPage(const Georeferencing& result, const GeorefOrigin& orig
                       ", surveyor " + (origin.surveyor.empty() ? "not told" : origin.surveyor));
   const auto refusal = result.Refusal();
   page.Verdict(refusal ? ReportVerdict::kBad : ReportVerdict::kGood, refusal ? *refusal : "Accepted.");
-  page.Facts({{"parameters", "parameters", ReportNumber(result.options.Parameters(), 0), ""},
-              {"grid_scale_factor", "grid scale factor (given)",
-               ReportNumber(result.options.grid_scale_factor, 8), ""},
-              {"sigma0", "sigma0 a posteriori", ReportNumber(result.fit.sigma0, 3), ""},
-              {"redundancy", "redundancy", ReportNumber(result.fit.redundancy, 0), ""},
-              {"rms_horizontal_mm", "rms horizontal", ReportNumber(1e3 * result.rms_horizontal_m, 1), "mm"},
-              {"rms_vertical_mm", "rms vertical", ReportNumber(1e3 * result.rms_vertical_m, 1), "mm"},
-              {"rms_mm", "rms 3D", ReportNumber(1e3 * result.rms_m, 1), "mm"},
-              {"limit_rms_mm", "allowed", ReportNumber(1e3 * result.limits.rms_m, 1), "mm"},
-              {"largest_mm", "largest residual", ReportNumber(1e3 * result.largest_m, 1), "mm"},
-              {"limit_residual_mm", "allowed", ReportNumber(1e3 * result.limits.residual_m, 1), "mm"}});
+  page.Facts(
+      {{"parameters", "parameters", ReportNumber(result.options.Parameters(), 0), ""},
+       {"grid_scale_factor", "grid scale factor (given)", ReportNumber(result.options.grid_scale_factor, 8),
+        ""},
+       {"sigma0", "sigma0 a posteriori", ReportNumber(result.fit.sigma0, 3), ""},
+       {"redundancy", "redundancy", ReportNumber(result.fit.redundancy, 0), ""},
+       {"rms_horizontal_mm", "rms horizontal", ReportNumber(1e3 * result.rms_horizontal_m, 1), "mm"},
+       {"rms_vertical_mm", "rms vertical", ReportNumber(1e3 * result.rms_vertical_m, 1), "mm"},
+       {"rms_mm", "rms 3D", ReportNumber(1e3 * result.rms_m, 1), "mm"},
+       {"limit_rms_mm", "rms allowed", ReportNumber(1e3 * result.limits.rms_m, 1), "mm"},
+       {"largest_mm", "largest residual", ReportNumber(1e3 * result.largest_m, 1), "mm"},
+       {"limit_residual_mm", "largest allowed", ReportNumber(1e3 * result.limits.residual_m, 1), "mm"}});
   if (!origin.unmatched.empty()) page.Paragraph(UnmatchedText(origin.unmatched));
   page.Section("Parameters");
   page.Add(ParameterTable(result));

@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <sstream>
 
 #include "firmware/base/pose.h"
@@ -148,6 +150,28 @@ base::Result<void> CheckRotation(const Helmert& fit, const Centred& centred, con
   return Refuse(text.str());
 }
 
+/// Why points do not come together: the one whose distances to the others differ most from the rig's, by the
+/// median, since a wrong point spoils only one of every other point's.
+Error RefuseDivergence(const std::vector<CommonPoint>& points) {
+  double worst_m = 0;
+  std::string name;
+  for (const CommonPoint& point : points) {
+    std::vector<double> differences_m;
+    for (const CommonPoint& other : points) {
+      if (&other == &point) continue;
+      differences_m.push_back(
+          std::abs((point.control_s_m - other.control_s_m).norm() - (point.rig_b_m - other.rig_b_m).norm()));
+    }
+    const auto middle = differences_m.begin() + static_cast<std::ptrdiff_t>(differences_m.size() / 2);
+    std::nth_element(differences_m.begin(), middle, differences_m.end());
+    if (*middle > worst_m) worst_m = *middle, name = point.name;
+  }
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1) << "the adjustment does not converge: point " << name << " is "
+       << worst_m << " m farther from or nearer to the others than the rig measured (median)";
+  return Refuse(text.str());
+}
+
 }  // namespace
 
 Vector3d Helmert::Apply(const Vector3d& point_b_m) const {
@@ -192,7 +216,7 @@ base::Result<Helmert> FitHelmert(const std::vector<CommonPoint>& points, const H
   }
   fit.covariance(columns, columns) = inverse;
   if (auto rotation = CheckRotation(fit, centred, options); !rotation) return rotation.error();
-  if (!converged) return Refuse("the adjustment does not converge");
+  if (!converged) return RefuseDivergence(points);
   fit.redundancy = static_cast<int>(3 * points.size()) - options.Parameters();
   if (fit.redundancy > 0)
     fit.sigma0 = std::sqrt(Sum(fit, near).weighted_squares / static_cast<double>(fit.redundancy));

@@ -191,6 +191,20 @@ TEST(Helmert, RefusesPointsAboveEachOtherWithoutTilt) {
   STRCMP_CONTAINS("one place in plan", Complaint(Surveyed({{0, -3, 30}, {0, 3, 30}}), options).c_str());
 }
 
+// A coordinate that was left at zero is megametres off: too far for the adjustment to find its place.
+TEST(Helmert, NamesThePointThatKeepsItFromConverging) {
+  auto points = Surveyed({{-3, 1, 20}, {3, -1, 30}, {2, -2, 45}, {-1, 2, 60}, {3, 1, 70}});
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].name = "P" + std::to_string(i + 1);
+  for (std::size_t wrong = 0; wrong < points.size(); ++wrong) {
+    for (Eigen::Index axis = 0; axis < 2; ++axis) {
+      auto mistaken = points;
+      mistaken[wrong].control_s_m[axis] = 0;
+      const std::string complaint = Complaint(mistaken);
+      STRCMP_CONTAINS(("point " + points[wrong].name + " is").c_str(), complaint.c_str());
+    }
+  }
+}
+
 TEST(Helmert, ItsJacobianIsThatOfDifferences) {
   auto points = Surveyed(kSpread, 0.9996);
   HelmertOptions options;

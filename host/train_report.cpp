@@ -213,22 +213,6 @@ ReportTable ProblemTable(const Training& training) {
   return table;
 }
 
-/// When the target is in place again and again but never fits, it is not built as its file says.
-std::string GeometryDoubt(const Training& training) {
-  std::vector<double> p2;
-  for (const ImageProblem& problem : training.review.problems) {
-    if (problem.kind == ProblemKind::kMissed && !problem.hit.within_noise)
-      p2.push_back(problem.hit.figures.p2);
-  }
-  if (static_cast<double>(p2.size()) <= kDoubtShare * static_cast<double>(training.images.size())) return "";
-  const auto middle = p2.begin() + static_cast<std::ptrdiff_t>(p2.size() / 2);
-  std::nth_element(p2.begin(), middle, p2.end());
-  return std::to_string(p2.size()) +
-         " images show a bar in the target's place that is not quite the target (p2 " + Short(*middle, 5) +
-         ", as built " + Short(identify::P2(identify::CrossRatio(training.model.target.leds_m)), 5) +
-         "): measure leds_m again";
-}
-
 void AddOthers(const Training& training, ReportPage& page) {
   const ViewConditions view{training.options.tilt_max_rad, training.options.focal_px,
                             training.options.noise_px};
@@ -303,6 +287,21 @@ std::vector<std::string> UncoveredDistances(const Training& training) {
   return stretches;
 }
 
+std::string GeometryDoubt(const Training& training) {
+  std::vector<double> p2;
+  for (const ImageProblem& problem : training.review.problems) {
+    if (problem.kind == ProblemKind::kMissed && !problem.hit.within_noise)
+      p2.push_back(problem.hit.figures.p2);
+  }
+  if (static_cast<double>(p2.size()) <= kDoubtShare * static_cast<double>(training.images.size())) return "";
+  const auto middle = p2.begin() + static_cast<std::ptrdiff_t>(p2.size() / 2);
+  std::nth_element(p2.begin(), middle, p2.end());
+  return std::to_string(p2.size()) +
+         " images show a bar in the target's place that is not quite the target (p2 " + Short(*middle, 5) +
+         ", as built " + Short(identify::P2(identify::CrossRatio(training.model.target.leds_m)), 5) +
+         "): measure leds_m again";
+}
+
 std::vector<std::string> TrainingWarnings(const Training& training) {
   std::vector<std::string> warnings;
   if (training.recordings.empty())
@@ -312,7 +311,8 @@ std::vector<std::string> TrainingWarnings(const Training& training) {
   if (!training.review.problems.empty())
     warnings.push_back(std::to_string(training.review.problems.size()) +
                        " images are problematic; each has a proposal");
-  if (const std::string doubt = GeometryDoubt(training); !doubt.empty()) warnings.push_back(doubt);
+  const std::string doubt = training.doubt.empty() ? GeometryDoubt(training) : training.doubt;
+  if (!doubt.empty()) warnings.push_back(doubt);
   const double farthest_m = training.options.farthest_m;
   for (const OtherTarget& other : training.others) {
     if (other.distinct_up_to_m && *other.distinct_up_to_m >= farthest_m) continue;

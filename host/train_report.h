@@ -25,6 +25,7 @@ struct Training {
   std::vector<TrainingImage> images;
   TrainingReview review;             ///< of the images, by `model`
   std::vector<std::string> applied;  ///< mends that were applied, and images that were left out
+  std::string doubt;                 ///< of the target file, before images were left out; empty: none
   std::vector<OtherTarget> others;
 };
 
@@ -39,6 +40,10 @@ std::vector<DistanceClass> DistanceClasses(const Training& training);
 /// Stretches of the trained distances with fewer than ten hits a class: "5 to 9.3 m"; empty: all covered, or
 /// nothing recorded.
 std::vector<std::string> UncoveredDistances(const Training& training);
+
+/// When the target is in place again and again but never fits, it is not built as its file says: a sentence
+/// about the images of `training.review`; empty: no doubt.
+std::string GeometryDoubt(const Training& training);
 
 /// What a person must know, as sentences; empty if the training is good.
 std::vector<std::string> TrainingWarnings(const Training& training);

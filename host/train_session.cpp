@@ -68,6 +68,7 @@ bool LeaveUnmendedOut(const TrainingReview& review, Training& training) {
 }  // namespace
 
 void ApplyMends(const TrainOrder& order, Training& training) {
+  training.doubt = GeometryDoubt(training);  // the images that raise it may be left out
   for (int round = 0; round < kApplyRounds; ++round) {
     bool changed = ApplyValues(training.review, true, training);
     changed = ApplyValues(training.review, false, training) || changed;
@@ -89,8 +90,9 @@ base::Result<Training> Train(const TrainOrder& order) {
                                                     order.options.farthest_m, view)});
   }
   if (order.recordings.empty()) {
-    if (order.discarded.empty()) return training;
-    return base::Error{base::ErrorCode::kUsage, "--discard", "goes with --recording only"};
+    if (order.discarded.empty() && !order.apply) return training;
+    return base::Error{base::ErrorCode::kUsage, order.apply ? "--apply" : "--discard",
+                       "goes with --recording only"};
   }
   for (std::size_t i = 0; i < order.recordings.size(); ++i) {
     const TrainingRecording recording{order.recordings[i], order.camera};

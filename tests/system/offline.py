@@ -179,6 +179,7 @@ def refuse_work(work):
             work / "x.yaml")
     refused(work, 2, ["--discard 77", "no image"], "train", "--target", target, "--recording", work / "drive",
             "--discard", "77", "--out", work / "x.yaml")
+    refused(work, 2, ["--apply", "--recording"], "train", "--target", target, "--apply", "--out", work / "x.yaml")
     refused(work, 1, ["--count 99", "more than fit"], "target", "design", "--length-m", "1", "--distance-m", "110",
             "--noise-px", "0.05", "--count", "99")
     calibrate_lamps = ["calibrate", "--recording", work / "lamps", "--model", work / "a.yaml", "--out",

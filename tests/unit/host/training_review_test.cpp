@@ -186,6 +186,11 @@ TEST(TrainingReview, DoubtsTheTargetFileWhenManyImagesNearlyFit) {
   const std::string page = MakeTrainReport(training).Html();
   STRCMP_CONTAINS("20 images show a bar", page.c_str());
   STRCMP_CONTAINS("(p2 2.25, as built 2.2707): measure leds_m again", page.c_str());
+
+  // Leaving them out does not make the target file right.
+  ApplyMends({}, training);
+  CHECK(training.review.problems.empty());
+  STRCMP_CONTAINS("20 images show a bar", MakeTrainReport(training).Html().c_str());
 }
 
 TEST(TrainingReview, IsToldOnOnePage) {

@@ -18,7 +18,6 @@ constexpr int kRig = optics::kRigParameters;
 constexpr int kShared = kRig + 1;  // and the bar's length, relative
 constexpr int kPlace = 5;
 using Observation = Eigen::Matrix<double, kResiduals, 1>;
-using RigVector = Eigen::Matrix<double, kRig, 1>;
 
 /// Rig, length and place of a bar, all moved by steps.
 struct Step {

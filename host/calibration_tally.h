@@ -9,9 +9,6 @@
 
 namespace adit::host {
 
-/// In the order of optics::RigCovariance.
-using RigVector = Eigen::Matrix<double, optics::kRigParameters, 1>;
-
 /// `rig` less truth; the turn as a rotation vector in the right camera's frame.
 RigVector ErrorOf(const TrueRig& truth, const optics::Rig& rig);
 

@@ -77,7 +77,7 @@ Vector4d TrueRig::Project(const Vector3d& point_m) const {
   return out;
 }
 
-TrueRig TrueRig::Moved(const Eigen::Matrix<double, optics::kRigParameters, 1>& step) const {
+TrueRig TrueRig::Moved(const RigVector& step) const {
   TrueRig moved = *this;
   const Vector3d turn = step.head<3>();
   if (turn.norm() > 0) moved.rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * rotation;

@@ -12,6 +12,9 @@
 
 namespace adit::host {
 
+/// In the order of optics::RigCovariance.
+using RigVector = Eigen::Matrix<double, optics::kRigParameters, 1>;
+
 /// What is calibrated, and by what.
 struct CalibrationPlan {
   double base_m = 9, converge_m = 35;
@@ -33,8 +36,8 @@ struct TrueRig {
 
   /// Left u, v, right u, v; not finite behind a camera.
   Eigen::Vector4d Project(const Eigen::Vector3d& point_m) const;
-  /// The parameters moved, in the order of optics::RigCovariance.
-  TrueRig Moved(const Eigen::Matrix<double, optics::kRigParameters, 1>& step) const;
+  /// The parameters moved.
+  TrueRig Moved(const RigVector& step) const;
   optics::Rig AsRig() const;
 };
 

@@ -14,11 +14,11 @@ using Eigen::Vector3d;
 namespace {
 
 /// Nearer lights stand beside the bar or are its own: a bar hangs above the water.
-constexpr double kNearestM = 0.2;
+constexpr double kNearestLightM = 0.2;
 /// An LED is seen along two ways that leave it at an angle of 60 degrees at most: LEDs shine forwards.
 constexpr double kCosineMin = 0.5;
 /// LEDs of one bar, in one mirror.
-constexpr float kAlike = 1.25F;
+constexpr float kAlikeMirrored = 1.25F;
 /// Of the distance between a light and its reflection: by how much waves move two LEDs differently, twice
 /// what those of half a milliradian do. Rougher water shows no rigid bar.
 constexpr double kUneven = 0.001;
@@ -57,7 +57,7 @@ class Search {
   bool MirrorsTwo(const CloudPoint& light, std::size_t led) const {
     const auto& leds_m = bar_.points.leds_b_m;
     const double separation_m = (leds_m[led] - light.point_b_m).norm();
-    if (!(separation_m > kNearestM)) return false;
+    if (!(separation_m > kNearestLightM)) return false;
     const Plane plane{(leds_m[led] - light.point_b_m) / separation_m, 0.5 * (leds_m[led] + light.point_b_m)};
     if (!IsSeenFrom(plane, light)) return false;
     const double reach_px = options_.sigmas * 2 * std::max(light.noise_px, noise_px_) +
@@ -97,7 +97,7 @@ class Search {
         is_it =
             is_it && light.blobs[side] != first.blobs[side] && (light.px[side] - px[side]).norm() <= reach_px;
       const float ratio = FluxDn(light) / FluxDn(first);
-      if (is_it && ratio < kAlike && ratio * kAlike > 1) return true;
+      if (is_it && ratio < kAlikeMirrored && ratio * kAlikeMirrored > 1) return true;
     }
     return false;
   }

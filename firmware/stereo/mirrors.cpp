@@ -38,7 +38,8 @@ MirrorFit FitMirror(const Solution& real, const Solution& image) {
 
 double MirrorWithinM(const Solution& real, const Solution& image, const MirrorFit& fit,
                      const LocatorOptions& options) {
-  return SameWithinM(real, image, options) + kMirrorWaviness * fit.separation_m;
+  constexpr double kWaviness = 0.01;  // of the separation: surfaces that still show an image are this flat
+  return SameWithinM(real, image, options) + kWaviness * fit.separation_m;
 }
 
 /// Places farther from where a mirror showed are not said to be behind it.

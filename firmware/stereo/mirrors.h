@@ -8,8 +8,6 @@ namespace adit::stereo {
 
 /// A mirror does not amplify; a fifth for angle and noise.
 inline constexpr double kMirrorDimmer = 1.2;
-/// Of the distance between a light and its reflection: surfaces that still show an image are this flat.
-inline constexpr double kMirrorWaviness = 0.01;
 
 /// How far two places of a target may differ and still be one.
 double SameWithinM(const Solution& a, const Solution& b, const LocatorOptions& options);
@@ -20,7 +18,8 @@ bool MayBeMirrorImage(const LocatorOptions& options, const Solution& place, cons
 
 /// The mirrors in view. A target and its reflection, seen together, tell the plane, and it is the same for
 /// every target: what stands behind it afterwards is a reflection, also while the target itself is hidden. A
-/// reflection whose mirror was never seen so cannot be told from a target. One thread; no allocation.
+/// reflection whose mirror was never seen so cannot be told from a target, unless two of its lights are seen
+/// themselves (ReflectsLights). One thread; no allocation.
 class Mirrors {
  public:
   Mirrors(const optics::Rig& rig, const LocatorOptions& options)

@@ -34,7 +34,7 @@ class PointCloud {
   void Build(const detect::BlobSet& left, const detect::BlobSet& right, const BlobFlags& claimed,
              const Correspondence& correspondence);
 
-  const std::array<View, 2>& Views() const { return views_; }
+  const Views& GetViews() const { return views_; }
   std::size_t size() const { return points_.size(); }
   const CloudPoint& operator[](std::size_t i) const { return points_[i]; }
   /// Index of the first point at or right of a column of the left image.
@@ -57,7 +57,7 @@ class PointCloud {
   /// Tangent of the angle of the plane through both cameras and the pixel; nothing for rays along the base.
   std::optional<double> PlaneOf(const View& view, const Eigen::Vector2d& px) const;
 
-  stereo::Views views_;
+  Views views_;
   LocatorOptions options_;
   Eigen::Vector3d forward_, aside_;  ///< across the baseline
   std::array<double, 2> image_px2_;

@@ -61,7 +61,7 @@ class Search {
     const Plane plane{(leds_m[led] - light.point_b_m) / separation_m, 0.5 * (leds_m[led] + light.point_b_m)};
     if (!IsSeenFrom(plane, light)) return false;
     const double reach_px = options_.sigmas * 2 * std::max(light.noise_px, noise_px_) +
-                            kUneven * separation_m * cloud_.Views()[0].fu_px / light.depth_m[0];
+                            kUneven * separation_m * cloud_.GetViews()[0].fu_px / light.depth_m[0];
     for (std::size_t i = led + 1; i < kLedCount; ++i) {
       if (HasLightAt(plane.Mirrored(leds_m[i]), light, reach_px)) return true;
     }
@@ -79,7 +79,7 @@ class Search {
       return plane.normal.dot(eye_m - plane.on_plane_m) < 0 &&
              to_eye_m.dot(to_mirrored_m) > kCosineMin * to_eye_m.norm() * to_mirrored_m.norm();
     };
-    return std::all_of(cloud_.Views().begin(), cloud_.Views().end(), sees);
+    return std::all_of(cloud_.GetViews().begin(), cloud_.GetViews().end(), sees);
   }
 
   /// Whether a light as bright as `first` stands at a place in both images.
@@ -87,7 +87,7 @@ class Search {
     std::array<Vector2d, 2> px;
     Eigen::Matrix<double, 2, 3> slope;
     for (std::size_t side = 0; side < 2; ++side) {
-      if (!cloud_.Views()[side].Project(place_b_m, px[side], slope)) return false;
+      if (!cloud_.GetViews()[side].Project(place_b_m, px[side], slope)) return false;
     }
     for (std::size_t i = cloud_.FirstFrom(px[0].x() - reach_px);
          i < cloud_.size() && cloud_[i].px[0].x() <= px[0].x() + reach_px; ++i) {

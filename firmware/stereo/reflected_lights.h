@@ -6,10 +6,9 @@
 
 namespace adit::stereo {
 
-/// Whether two lights of `cloud` stand where a plane mirror between them and the cameras' far side would make
-/// two LEDs of `bar` of them, alike and no dimmer than it: then the bar is the reflection of one whose other
-/// LEDs are hidden. A whole bar and its reflection need no such search (Mirrors). `left` has the cloud's left
-/// blobs.
+/// Whether one plane mirror, seen from the cameras' side, would make two LEDs of `bar` of two lights of
+/// `cloud` that are alike and no dimmer: then the bar is the reflection of one whose other LEDs are hidden. A
+/// bar that is found itself needs no such search (Mirrors). `left` has the cloud's left blobs.
 bool ReflectsLights(const Solution& bar, const PointCloud& cloud, const detect::BlobSet& left,
                     const LocatorOptions& options);
 

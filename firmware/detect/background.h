@@ -11,7 +11,7 @@ struct Background {
   double noise_dn = 0;  ///< one standard deviation
 };
 
-/// The median of a quarter of eight rows, in pieces of 32 pixels, and the distance from there to the 16 %
+/// The median of an eighth of eight rows, in pieces of 32 pixels, and the distance from there to the 16 %
 /// quantile: lights, up to a third of the image, brighten neither much. No state, no heap: a replay sees the
 /// same. `image` must not be empty.
 Background EstimateBackground(const base::ImageView& image);

@@ -2,12 +2,33 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 #include "firmware/stereo/correspondence.h"
 
 namespace adit::stereo {
 
 using base::kLedCount;
+
+namespace {
+
+/// Whether what counts as one light is as bright, as far as the two distances tell, in the right image as in
+/// the left one: after a factor that all LEDs of the bar have in common. One that is not has merged with a
+/// lamp in one of the images or is covered there in part, and its centroid is not where the LED is.
+bool AreSameLights(const Views& views, const TargetPoints& points) {
+  constexpr double kWithin = 1.5;  // LEDs near the cameras show each of them another side
+  double least = HUGE_VAL, most = 0;
+  for (std::size_t i = 0; i < kLedCount; ++i) {
+    const double left_dn = points.flux_dn[0][i], right_dn = points.flux_dn[1][i];
+    if (!(left_dn > 0 && right_dn > 0)) continue;
+    const double ratio = right_dn * (points.leds_b_m[i] - views[1].CentreM()).squaredNorm() /
+                         (left_dn * (points.leds_b_m[i] - views[0].CentreM()).squaredNorm());
+    least = std::min(least, ratio), most = std::max(most, ratio);
+  }
+  return most <= kWithin * least;
+}
+
+}  // namespace
 
 BarBuilder::BarBuilder(const optics::Rig& rig, const LocatorOptions& options)
     : views_(MakeViews(rig)), solver_(rig, options), options_(options) {}
@@ -37,6 +58,9 @@ std::optional<Solution> BarBuilder::Build(const base::Target& target, const BarB
   solution->flux_dn = left_flux_dn / count;
   solution->points.flux_dn = flux_dn;
   solution->points.blobs = blobs;
+  reason = LossReason::kNoCorrespondence;
+  if (!AreSameLights(views_, solution->points)) return std::nullopt;
+  reason = LossReason::kNone;
   return solution;
 }
 

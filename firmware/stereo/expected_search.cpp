@@ -84,10 +84,10 @@ bool ExpectedSearch::CollectGate(const LocatedPoint& led, std::size_t side, cons
 bool ExpectedSearch::Collect(const base::Target& target, const Expectation& expected,
                              const BarBuilder& builder, const Correspondence& correspondence) {
   largest_gate_px2_ = 0;
+  for (auto& pairs : pairs_) pairs.clear();
   for (std::size_t side = 0; side < 2; ++side)
     density_per_px2_[side] = static_cast<double>(builder.Blobs(side).blobs.size()) / image_px2_[side];
   for (std::size_t i = 0; i < kLedCount; ++i) {
-    pairs_[i].clear();
     const LocatedPoint led = ExpectedPoint(expected, target.leds_m[i]);
     std::array<Gate, 2> gates;
     for (std::size_t side = 0; side < 2; ++side) {
@@ -140,11 +140,22 @@ void ExpectedSearch::TryPairs(const base::Target& target, const Expectation& exp
       const bool bare = all.points.blobs == blobs;
       const bool usual = all.chi_square <= ChiSquareLimit(2 * all.seen - 5, options_.candidate_sigmas);
       if (!usual && std::popcount(all.points.recovered_mask) > 1) continue;
-      if (bare && Chance() > options_.expected_chance_max) continue;
+      // Of two LEDs no third tells that one has merged with a dim light.
+      if (bare && (Chance() > options_.expected_chance_max ||
+                   !SameBrightness(expected.flux_dn, all.points.flux_dn, kSameLed)))
+        continue;
       // That it was expected here is worth an LED, hidden in both images: the better place of two here is the
       // one that shows more LEDs.
       all.cost -= 2 * options_.hidden_cost;
       Add(options_, all, finding);
+    }
+  }
+}
+
+void ExpectedSearch::Mark(BlobFlags& flags) const {
+  for (const auto& pairs : pairs_) {
+    for (const Pair& pair : pairs) {
+      for (std::size_t side = 0; side < 2; ++side) flags[side].set(pair.blobs[side]);
     }
   }
 }

@@ -5,6 +5,7 @@
 #include "firmware/stereo/choice.h"
 #include "firmware/stereo/correspondence.h"
 #include "firmware/stereo/expectation.h"
+#include "firmware/stereo/point_cloud.h"
 
 namespace adit::stereo {
 
@@ -25,6 +26,9 @@ class ExpectedSearch {
   /// blobs stand in a gate than can be told apart.
   void Run(const base::Target& target, const Expectation& expected, const BarBuilder& builder,
            const Correspondence& correspondence, Finding& finding);
+
+  /// Sets the flags of the lights that the last Run took for LEDs of its target, whether or not it found it.
+  void Mark(BlobFlags& flags) const;
 
  private:
   static constexpr std::size_t kMaxInGate = 12;

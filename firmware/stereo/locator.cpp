@@ -23,10 +23,10 @@ struct Locator::State {
         findings(all.size()),
         chosen(all.size()) {}
 
-  void TrySighting(const Sighting& sighting);
-  void TryBlobs(std::size_t target, const BarBlobs& blobs);
+  void TrySighting(const Sighting& sighting, const Expectation& expected);
+  void TryBlobs(std::size_t target, const BarBlobs& blobs, const Expectation& expected);
   void SeekExpected(const ExpectationSet& expectations);
-  bool MayBeReflection(std::size_t target, const Expectation& expected) const;
+  bool MayBeOthers(std::size_t target, const Expectation& expected) const;
   std::bitset<identify::kMaxTargets> Wanted(const ExpectationSet& expectations) const;
   void ChooseAll(const ExpectationSet& expectations);
 
@@ -40,6 +40,7 @@ struct Locator::State {
   std::array<LedCandidates, kLedCount> candidates;
   std::vector<Finding> findings;
   std::vector<const Solution*> chosen;
+  BlobFlags expected_blobs;  ///< where LEDs of targets that are followed are expected
 };
 
 namespace {
@@ -67,6 +68,15 @@ LossReason Farther(LossReason a, LossReason b) {
     return 0;
   };
   return rank(a) >= rank(b) ? a : b;
+}
+
+/// Whether four lights are alike enough for LEDs of one bar. Dust and age are allowed half: with more, one of
+/// them may have merged with a lamp, and the other three still show. Of a target that is followed, but not
+/// expected there, no more is allowed than of three lights.
+bool AreOfOneMake(const base::Target& target, const Expectation& expected, const Solution& solution) {
+  constexpr float kAged = 1.5F;
+  const bool elsewhere = expected.known && !IsExpected(target, expected, solution);
+  return SameBrightness(LedFlux{}, solution.points.flux_dn, elsewhere ? kSameMake : kAged);
 }
 
 /// Calls visit(right blobs) for every way to take one candidate per LED so that all distances fit.
@@ -98,7 +108,7 @@ void VisitAssignments(const base::Target& target, const std::array<LedCandidates
 
 }  // namespace
 
-void Locator::State::TrySighting(const Sighting& sighting) {
+void Locator::State::TrySighting(const Sighting& sighting, const Expectation& expected) {
   Finding& finding = findings[sighting.target];
   bool on_line = true, makes_points = true;
   for (std::size_t i = 0; i < kLedCount; ++i) {
@@ -114,36 +124,42 @@ void Locator::State::TrySighting(const Sighting& sighting) {
   }
   finding.reason = Farther(finding.reason, LossReason::kDistances);
   VisitAssignments(targets[sighting.target], candidates, options, [&](const BlobIndices& right_blobs) {
-    TryBlobs(sighting.target, {sighting.blobs, right_blobs});
+    TryBlobs(sighting.target, {sighting.blobs, right_blobs}, expected);
   });
 }
 
-void Locator::State::TryBlobs(std::size_t target, const BarBlobs& blobs) {
+void Locator::State::TryBlobs(std::size_t target, const BarBlobs& blobs, const Expectation& expected) {
   Finding& finding = findings[target];
   LossReason reason = LossReason::kNone;
   const auto solution = builder.Build(targets[target], blobs, reason);
+  const bool believed = solution && AreOfOneMake(targets[target], expected, *solution);
+  if (solution && !believed) reason = LossReason::kAmbiguous;
   finding.reason = Farther(finding.reason, reason);
-  if (solution) Add(options, *solution, finding);
+  if (believed) Add(options, *solution, finding);
 }
 
 void Locator::State::SeekExpected(const ExpectationSet& expectations) {
+  for (auto& flags : expected_blobs) flags.reset();
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const Expectation& expected = expectations[i];
     if (!expected.known) continue;
     const auto is_expected = [&](const Solution& s) { return IsExpected(targets[i], expected, s); };
     if (std::any_of(findings[i].solutions.begin(), findings[i].solutions.end(), is_expected)) continue;
     expected_search.Run(targets[i], expected, builder, correspondence, findings[i]);
+    expected_search.Mark(expected_blobs);
   }
 }
 
-/// Whether the four LEDs found may be a reflection of three that are not found yet. Of a target seen a moment
-/// ago its own place tells: there was none then, or it was chosen, and from there it leads to any reflection.
-bool Locator::State::MayBeReflection(std::size_t target, const Expectation& expected) const {
+/// Whether the four lights found may be something else: not alike, or a reflection of three LEDs that are not
+/// found yet. Of a target seen a moment ago its own place tells: there was no reflection then, or it was
+/// chosen, and from there it leads to any reflection.
+bool Locator::State::MayBeOthers(std::size_t target, const Expectation& expected) const {
   if (!expected.recent) return true;
   const Solution place = ExpectedPlace(targets[target], expected);
   const auto& solutions = findings[target].solutions;
-  return std::any_of(solutions.begin(), solutions.end(),
-                     [&](const Solution& s) { return MayBeMirrorImage(options, place, s); });
+  return std::any_of(solutions.begin(), solutions.end(), [&](const Solution& s) {
+    return MayBeMirrorImage(options, place, s) || !SameBrightness(LedFlux{}, s.points.flux_dn);
+  });
 }
 
 /// The targets whose places with three LEDs are wanted. While a target is followed, what shows three of its
@@ -151,8 +167,7 @@ bool Locator::State::MayBeReflection(std::size_t target, const Expectation& expe
 std::bitset<identify::kMaxTargets> Locator::State::Wanted(const ExpectationSet& expectations) const {
   std::bitset<identify::kMaxTargets> wanted;
   for (std::size_t i = 0; i < targets.size(); ++i)
-    wanted[i] =
-        !expectations[i].known && (findings[i].solutions.empty() || MayBeReflection(i, expectations[i]));
+    wanted[i] = !expectations[i].known && (findings[i].solutions.empty() || MayBeOthers(i, expectations[i]));
   return wanted;
 }
 
@@ -204,9 +219,9 @@ void Locator::Locate(const identify::SightingSet& left, const identify::Sighting
     s.correspondence.SetRight(*right.blob_set);
     s.mirrors.Set(out.stamp.mid_exposure_ns);
     s.builder.Set(*left.blob_set, *right.blob_set);
-    for (const Sighting& sighting : left.sightings) s.TrySighting(sighting);
+    for (const Sighting& sighting : left.sightings) s.TrySighting(sighting, expectations[sighting.target]);
     s.SeekExpected(expectations);
-    s.triple_bars.Run(s.Wanted(expectations), s.builder, s.correspondence, s.findings);
+    s.triple_bars.Run(s.Wanted(expectations), s.builder, s.correspondence, s.expected_blobs, s.findings);
     s.ChooseAll(expectations);
   }
   out.targets.clear();

@@ -7,14 +7,12 @@ namespace adit::stereo {
 
 namespace {
 
-constexpr float kWithin = 1.25F;  // a lamp half as bright as the LED that it merges with makes it 1.5
-
 /// Least and largest of some ratios.
 struct Range {
   float least = HUGE_VALF, most = 0;
 
   void Take(float ratio) { least = std::min(least, ratio), most = std::max(most, ratio); }
-  bool IsNarrow() const { return most <= kWithin * least; }
+  bool IsWithin(float factor) const { return most <= factor * least; }
 };
 
 /// How bright the LEDs of an image are beside what is known of them; those that are not seen: 0.
@@ -34,7 +32,7 @@ std::array<float, base::kLedCount> Ratios(const std::array<float, base::kLedCoun
 
 }  // namespace
 
-bool SameBrightness(const LedFlux& known, const LedFlux& seen) {
+bool SameBrightness(const LedFlux& known, const LedFlux& seen, float within) {
   Range of_known;
   for (std::size_t side = 0; side < 2; ++side) {
     const auto ratios = Ratios(known[side], seen[side]);
@@ -44,20 +42,19 @@ bool SameBrightness(const LedFlux& known, const LedFlux& seen) {
       in_image.Take(ratios[i]);
       if (known[side][i] > 0) of_known.Take(ratios[i]);
     }
-    if (!in_image.IsNarrow()) return false;
+    if (!in_image.IsWithin(within)) return false;
   }
-  return of_known.IsNarrow();
+  return of_known.IsWithin(within);
 }
 
 bool IsUncovered(const LedFlux& known, const LedFlux& seen, std::size_t side, std::size_t led) {
-  constexpr float kWithinTenth = 1.1F;  // noise is a hundredth; a leaning bar's ends differ by some more
   const auto ratios = Ratios(known[side], seen[side]);
   float others = 0, count = 0;
   for (std::size_t i = 0; i < base::kLedCount; ++i) {
     if (i != led && ratios[i] > 0) others += ratios[i], ++count;
   }
   const float ratio = ratios[led] * count / others;
-  return ratio <= kWithinTenth && ratio * kWithinTenth >= 1;
+  return ratio <= kSameLed && ratio * kSameLed >= 1;
 }
 
 }  // namespace adit::stereo

@@ -20,11 +20,16 @@ using BarBlobs = std::array<BlobIndices, 2>;
 /// Brightness of LED 1 to LED 4 in the left image and in the right one, sums of DN; 0 where none is known.
 using LedFlux = std::array<std::array<float, base::kLedCount>, 2>;
 
+/// A lamp half as bright as the LED that it merges with makes it 1.5 times as bright.
+inline constexpr float kSameMake = 1.25F;
+/// Of one LED beside the others nothing but noise, a hundredth, and a leaning bar's ends make a difference.
+inline constexpr float kSameLed = 1.1F;
+
 /// Whether LEDs are as bright, one beside another, as they are known to be: within a quarter, after a common
 /// factor (exposure, distance). Of an LED that is not known yet it is expected that it is like the others of
 /// its image: they are of one type and look one way. One that is not has merged with a lamp or is covered in
 /// part, and its centroid is not where the LED is; or it is none.
-bool SameBrightness(const LedFlux& known, const LedFlux& seen);
+bool SameBrightness(const LedFlux& known, const LedFlux& seen, float within = kSameMake);
 
 /// The same of one LED beside the others of one image, within a tenth: of an LED that only this image shows.
 /// What hides it from one camera stands near the other's line of sight too and may cover a part of it, which

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "firmware/stereo/lit_place.h"
 #include "firmware/stereo/reflected_lights.h"
 
 namespace adit::stereo {
@@ -26,16 +27,19 @@ TripleBars::TripleBars(const optics::Rig& rig, const std::vector<base::Target>& 
       rig_(rig),
       views_(MakeViews(rig)),
       options_(options),
+      other_readings_(rig, targets, options),
       cloud_(rig, options),
       search_(rig, targets, options) {}
 
 void TripleBars::Run(const std::bitset<identify::kMaxTargets>& wanted, const BarBuilder& builder,
-                     const Correspondence& correspondence, std::vector<Finding>& findings) {
+                     const Correspondence& correspondence, const BlobFlags& anothers,
+                     std::vector<Finding>& findings) {
   if (wanted.none()) return;
+  wanted_ = wanted, anothers_ = anothers;
   Claim(findings);
   cloud_.Build(builder.Blobs(0), builder.Blobs(1), claimed_, correspondence);
   for (std::size_t i = 0; i < findings.size(); ++i) {
-    if (wanted[i]) DropReflections(builder.Blobs(0), findings[i]);
+    if (wanted[i]) DropDoubtful(i, builder, findings[i]);
   }
   search_.Run(cloud_, wanted, triples_);
   if (triples_.cut_short) return;
@@ -47,9 +51,9 @@ void TripleBars::Run(const std::bitset<identify::kMaxTargets>& wanted, const Bar
     // All four LEDs in both images are as good as those that the left image showed first.
     const bool believed =
         bar.solution.complete ||
-        (!ReflectsLights(bar.solution, cloud_, builder.Blobs(0), options_) &&
+        (!IsAnothers(bar) && !ReflectsLights(bar.solution, cloud_, builder.Blobs(0), options_) &&
          triples_.chance[bar.triple.target] <= options_.chance_max && StandsInItsLine(bar, builder));
-    if (bars_.Full() || !believed || IsContested(bar)) {
+    if (bars_.Full() || !believed || IsContested(bar, builder)) {
       // It came as far as any hypothesis can.
       if (finding.solutions.empty()) finding.reason = LossReason::kAmbiguous;
       continue;
@@ -58,12 +62,17 @@ void TripleBars::Run(const std::bitset<identify::kMaxTargets>& wanted, const Bar
   }
 }
 
-/// Of a target that is not followed, what two lights show in a mirror.
-void TripleBars::DropReflections(const detect::BlobSet& left, Finding& finding) const {
+/// Of a target that is not followed, what two lights show in a mirror, and four lights that are not alike
+/// while three LEDs may be among them.
+void TripleBars::DropDoubtful(std::size_t target, const BarBuilder& builder, Finding& finding) const {
+  const auto is_doubtful = [&](const Solution& s) {
+    if (ReflectsLights(s, cloud_, builder.Blobs(0), options_)) return true;
+    return !SameBrightness(LedFlux{}, s.points.flux_dn) &&
+           other_readings_.Exist({&s, target, wanted_}, builder);
+  };
   std::size_t kept = 0;
   for (std::size_t i = 0; i < finding.solutions.size(); ++i) {
-    if (!ReflectsLights(finding.solutions[i], cloud_, left, options_))
-      finding.solutions[kept++] = finding.solutions[i];
+    if (!is_doubtful(finding.solutions[i])) finding.solutions[kept++] = finding.solutions[i];
   }
   if (kept < finding.solutions.size()) finding.reason = LossReason::kAmbiguous;
   finding.solutions.Truncate(kept);
@@ -95,8 +104,8 @@ void TripleBars::Try(const Triple& triple, const BarBuilder& builder, const std:
   bars_.push_back(all);
 }
 
-/// Lights on the bar's line in space, up to a length beyond its ends, that are not its LEDs. Full if there
-/// may be more.
+/// Lights on the bar's line in space, up to a length beyond its ends, that are not its LEDs. One just where
+/// the fourth LED is, only of other brightness, is that LED. Full if there may be more.
 TripleBars::LineLights TripleBars::LightsInLine(const Bar& bar, const detect::BlobSet& left) const {
   const base::Target& target = targets_[bar.triple.target];
   const auto& fit = bar.solution.fit;
@@ -114,14 +123,18 @@ TripleBars::LineLights TripleBars::LightsInLine(const Bar& bar, const detect::Bl
     const double place_m = -across.dot(start_m) / across.squaredNorm();
     if (!(place_m > -target.LengthM() && place_m < 2 * target.LengthM())) continue;
     const double noise_px = options_.sigmas * 2 * c.noise_px;
-    bool on_line = true;
-    for (std::size_t side = 0; side < 2; ++side) {
-      Eigen::Vector2d px;
-      Eigen::Matrix<double, 2, 3> slope;
-      on_line = on_line && views_[side].Project(fit.PointM(target, place_m), px, slope) &&
-                (px - c.px[side]).norm() <= noise_px + (side == 1 ? 0.5 * options_.epipolar_px : 0);
-    }
-    if (on_line) others.push_back({place_m, left.blobs[c.blobs[0]].flux_dn});
+    const auto stands_at = [&](double at_m) {
+      bool stands = true;
+      for (std::size_t side = 0; side < 2; ++side) {
+        Eigen::Vector2d px;
+        Eigen::Matrix<double, 2, 3> slope;
+        stands = stands && views_[side].Project(fit.PointM(target, at_m), px, slope) &&
+                 (px - c.px[side]).norm() <= noise_px + (side == 1 ? 0.5 * options_.epipolar_px : 0);
+      }
+      return stands;
+    };
+    if (stands_at(place_m) && !stands_at(target.leds_m[FourthOf(bar.triple)]))
+      others.push_back({place_m, left.blobs[c.blobs[0]].flux_dn});
   }
   return others;
 }
@@ -155,20 +168,15 @@ bool TripleBars::IsRow(const Bar& bar, const LineLights& others) const {
   });
 }
 
-/// Whether nothing bright reaches to where the triple's fourth LED is in an image.
+/// Whether nothing that could hide the triple's fourth LED reaches to where it is in an image: what it merged
+/// with is brighter than it is.
 bool TripleBars::IsDark(const Bar& bar, const BarBuilder& builder, std::size_t side) const {
+  constexpr double kBesidePx = 2;  // nearer two lights are one, or are not measured well
   const base::Target& target = targets_[bar.triple.target];
   const Eigen::Vector3d led_b_m = bar.solution.fit.PointM(target, target.leds_m[FourthOf(bar.triple)]);
-  const auto px = side == 0 ? rig_.left.Project(led_b_m) : rig_.right.Project(rig_.T_r_l * led_b_m);
-  if (!px) return true;
-  const auto reaches = [&px](const auto& box) {
-    constexpr double kBesidePx = 2;  // nearer two lights are one, or are not measured well
-    return px->x() >= box.x_min_px - kBesidePx && px->x() <= box.x_max_px + kBesidePx &&
-           px->y() >= box.y_min_px - kBesidePx && px->y() <= box.y_max_px + kBesidePx;
-  };
-  const detect::BlobSet& seen = builder.Blobs(side);
-  return std::none_of(seen.blobs.begin(), seen.blobs.end(), reaches) &&
-         std::none_of(seen.regions.begin(), seen.regions.end(), reaches);
+  const auto& flux_dn = bar.solution.points.flux_dn[side];
+  const double typical_dn = *std::max_element(flux_dn.begin(), flux_dn.end());
+  return !IsLit(rig_, builder.Blobs(side), side, led_b_m, {kBesidePx, typical_dn / kSameMake});
 }
 
 /// Alone on its line a triple needs no more: chance does not make it. With other lights on the line some
@@ -183,12 +191,29 @@ bool TripleBars::StandsInItsLine(const Bar& bar, const BarBuilder& builder) cons
   return !IsRow(bar, others) && !IsDark(bar, builder, 0) && !IsDark(bar, builder, 1);
 }
 
-/// Another target may be seen in the same blobs, whether or not it is believed.
-bool TripleBars::IsContested(const Bar& bar) const {
-  return std::any_of(bars_.begin(), bars_.end(), [&](const Bar& other) {
+/// Whether two of its lights stand where another target, one that is followed, is expected to have LEDs.
+bool TripleBars::IsAnothers(const Bar& bar) const {
+  int count = 0;
+  for (std::size_t i = 0; i < kLedCount; ++i) {
+    const auto is_marked = [&](std::size_t side) {
+      const std::uint16_t blob = bar.solution.points.blobs[side][i];
+      return blob != kNoBlob && anothers_[side][blob];
+    };
+    count += is_marked(0) && is_marked(1) ? 1 : 0;
+  }
+  return count >= 2;
+}
+
+/// Another target may be seen in the same blobs, or this one elsewhere, whether or not that is believed.
+bool TripleBars::IsContested(const Bar& bar, const BarBuilder& builder) const {
+  const double cost_max = bar.solution.cost + options_.chi_square_margin;
+  const auto contests = [&](const Bar& other) {
     return other.triple.target != bar.triple.target && ShareABlob(other.solution, bar.solution) &&
-           other.solution.cost < bar.solution.cost + options_.chi_square_margin;
-  });
+           other.solution.cost < cost_max;
+  };
+  return std::any_of(bars_.begin(), bars_.end(), contests) ||
+         (!bar.solution.complete &&
+          other_readings_.Exist({&bar.solution, bar.triple.target, wanted_}, builder));
 }
 
 }  // namespace adit::stereo

@@ -6,6 +6,7 @@
 
 #include "firmware/stereo/bar_builder.h"
 #include "firmware/stereo/choice.h"
+#include "firmware/stereo/other_readings.h"
 #include "firmware/stereo/triple_search.h"
 
 namespace adit::stereo {
@@ -23,8 +24,9 @@ class TripleBars {
   /// lights that are seen (ReflectsLights) is dropped. `builder` and `correspondence` have the pair set. The
   /// blobs of what was found with all four LEDs are no part of anything else: no three of them would stand
   /// against it. Concludes nothing where the search is cut short.
+  /// Two lights that are `anothers`, of targets that are followed, are not taken for this one's.
   void Run(const std::bitset<identify::kMaxTargets>& wanted, const BarBuilder& builder,
-           const Correspondence& correspondence, std::vector<Finding>& findings);
+           const Correspondence& correspondence, const BlobFlags& anothers, std::vector<Finding>& findings);
 
  private:
   struct Bar {
@@ -39,22 +41,25 @@ class TripleBars {
   };
   /// Of four lights beside a triple nothing is concluded: seven lights are 35 triples, and each is 24
   /// readings of three bars.
-  using LineLights = base::FixedVector<LineLight, 4>;
+  using LineLights = base::FixedVector<LineLight, 6>;
 
-  void DropReflections(const detect::BlobSet& left, Finding& finding) const;
+  void DropDoubtful(std::size_t target, const BarBuilder& builder, Finding& finding) const;
   void Claim(const std::vector<Finding>& findings);
   void Try(const Triple& triple, const BarBuilder& builder, const std::vector<Finding>& findings);
   LineLights LightsInLine(const Bar& bar, const detect::BlobSet& left) const;
   bool IsRow(const Bar& bar, const LineLights& others) const;
   bool IsDark(const Bar& bar, const BarBuilder& builder, std::size_t side) const;
   bool StandsInItsLine(const Bar& bar, const BarBuilder& builder) const;
-  bool IsContested(const Bar& bar) const;
+  bool IsAnothers(const Bar& bar) const;
+  bool IsContested(const Bar& bar, const BarBuilder& builder) const;
 
   std::vector<base::Target> targets_;
   optics::Rig rig_;
   Views views_;
   LocatorOptions options_;
-  BlobFlags claimed_;
+  OtherReadings other_readings_;
+  std::bitset<identify::kMaxTargets> wanted_;
+  BlobFlags claimed_, anothers_;
   PointCloud cloud_;
   TripleSearch search_;
   TripleSet triples_;

@@ -180,9 +180,9 @@ bool TripleBars::IsDark(const Bar& bar, const BarBuilder& builder, std::size_t s
 }
 
 /// Alone on its line a triple needs no more: chance does not make it. With other lights on the line some
-/// three of them may stand as three LEDs do, or two LEDs read backwards and one light; then the fourth LED
-/// must be accounted for: it is seen in one image, or lights that hide it stand in both, and the lights are
-/// no row of lamps. Of many lights nothing is concluded.
+/// three of them may stand as three LEDs do; then the fourth LED must be accounted for: it is seen in one
+/// image, or lights that hide it stand in both, and the lights are no row of lamps. Of many lights nothing is
+/// concluded.
 bool TripleBars::StandsInItsLine(const Bar& bar, const BarBuilder& builder) const {
   const LineLights others = LightsInLine(bar, builder.Blobs(0));
   if (others.empty()) return true;

@@ -13,18 +13,20 @@ namespace adit::stereo {
 
 /// Finds bars without a lock. Three points that stand right are strong evidence among scattered lamps and
 /// weak evidence where lamps stand in rows. So a bar counts only if fewer than `options.chance_max` like it
-/// are expected by chance from the density of the blobs, if its LEDs are alike in brightness, and, where
-/// other lights stand on its line, if its fourth LED is seen in one image or something hides it in both, and
-/// the lights are no row at even steps. One thread; no allocation after construction.
+/// are expected by chance from the density of the blobs, if its LEDs are alike in brightness and cannot be
+/// read otherwise (OtherReadings), and, where other lights stand on its line, if its fourth LED is seen in
+/// one image or something hides it in both, and the lights are no row at even steps. One thread; no
+/// allocation after construction.
 class TripleBars {
  public:
   TripleBars(const optics::Rig& rig, const std::vector<base::Target>& targets, const LocatorOptions& options);
 
-  /// Adds to `findings`, by target, the bars of the targets `wanted`; what was found of these and reflects
-  /// lights that are seen (ReflectsLights) is dropped. `builder` and `correspondence` have the pair set. The
-  /// blobs of what was found with all four LEDs are no part of anything else: no three of them would stand
-  /// against it. Concludes nothing where the search is cut short.
-  /// Two lights that are `anothers`, of targets that are followed, are not taken for this one's.
+  /// Adds to `findings`, by target, the bars of the targets `wanted`. What was found of these with four LEDs
+  /// is dropped if it reflects lights that are seen (ReflectsLights), or is not alike and can be read
+  /// otherwise. `builder` and `correspondence` have the pair set. The blobs of what was found with four LEDs
+  /// are no part of anything else: no three of them would stand against it. Two lights that are `anothers`,
+  /// of targets that are followed, are not taken for a bar's. Concludes nothing where the search is cut
+  /// short.
   void Run(const std::bitset<identify::kMaxTargets>& wanted, const BarBuilder& builder,
            const Correspondence& correspondence, const BlobFlags& anothers, std::vector<Finding>& findings);
 
@@ -39,8 +41,8 @@ class TripleBars {
     double place_m = 0;  ///< from LED 1
     double flux_dn = 0;  ///< in the left image
   };
-  /// Of four lights beside a triple nothing is concluded: seven lights are 35 triples, and each is 24
-  /// readings of three bars.
+  /// Of six lights beside a triple nothing is concluded: nine lights are 84 triples, and each is 24 readings
+  /// of three bars.
   using LineLights = base::FixedVector<LineLight, 6>;
 
   void DropDoubtful(std::size_t target, const BarBuilder& builder, Finding& finding) const;

@@ -144,15 +144,12 @@ TripleBars::LineLights TripleBars::LightsInLine(const Bar& bar, const detect::Bl
 bool TripleBars::IsRow(const Bar& bar, const LineLights& others) const {
   constexpr double kEven = 0.1;      // of a step: lamps are hung by hand
   constexpr double kHiddenMost = 3;  // steps between neighbours: two lamps in succession may be hidden
-  constexpr double kAlike = 1.5;     // of lamps of one make, the nearer brighter, with some dust
-  constexpr double kOnLed = 0.2;  // of the bar's first gap: that light is the fourth LED, merged with another
   const std::size_t fourth = FourthOf(bar.triple);
   const auto& leds_m = targets_[bar.triple.target].leds_m;
   base::FixedVector<double, kLedCount - 1 + LineLights::kCapacity> places_m;
   for (const LineLight& other : others) {
-    if (std::abs(other.place_m - leds_m[fourth]) < kOnLed * (leds_m[1] - leds_m[0])) continue;
     const double ratio = other.flux_dn / bar.solution.flux_dn;
-    if (ratio > kAlike || ratio * kAlike < 1) return false;
+    if (ratio > kSameMake || ratio * kSameMake < 1) return false;
     places_m.push_back(other.place_m);
   }
   if (places_m.empty()) return false;

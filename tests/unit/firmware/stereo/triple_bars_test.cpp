@@ -105,3 +105,21 @@ TEST(TripleBars, ThreeLampsOfAnEvenRowAreNoBar) {
     CHECK(c.is_row || ErrorSigmas(p, bar) < 5);
   }
 }
+
+TEST(TripleBars, AnLedThatMergedWithALampIsBrighterThanARowsLamp) {
+  const adit::base::Target even{"even", {0, 0.50, 1.25, 1.50}, 0.75, 0.04};
+  Chain others({even});
+  bar.target = even;
+  for (const float brighter : {1.0F, 2.0F}) {
+    scene->Clear();
+    CHECK(scene->AddBar(bar, 0.02));
+    AddLightInLine(*scene, bar, 1);
+    AddLightInLine(*scene, bar, 1.256);
+    for (auto* set : {&scene->Blobs().left, &scene->Blobs().right}) {
+      set->blobs[5].flux_dn *= brighter;
+      Obscure(*set, 2);
+    }
+    Hide(scene->Blobs(), 2, kBoth);
+    CHECK((others.Run(scene->Blobs()).status == FixStatus::kRecovered) == (brighter > 1));
+  }
+}

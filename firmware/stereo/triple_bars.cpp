@@ -53,7 +53,7 @@ void TripleBars::Run(const std::bitset<identify::kMaxTargets>& wanted, const Bar
         bar.solution.complete ||
         (!IsAnothers(bar) && !ReflectsLights(bar.solution, cloud_, builder.Blobs(0), options_) &&
          triples_.chance[bar.triple.target] <= options_.chance_max && StandsInItsLine(bar, builder));
-    if (bars_.Full() || !believed || IsContested(bar, builder)) {
+    if (bars_.Full() || !believed || IsInDoubt(bar, builder)) {
       // It came as far as any hypothesis can.
       if (finding.solutions.empty()) finding.reason = LossReason::kAmbiguous;
       continue;
@@ -199,6 +199,31 @@ bool TripleBars::IsAnothers(const Bar& bar) const {
     count += is_marked(0) && is_marked(1) ? 1 : 0;
   }
   return count >= 2;
+}
+
+/// Contested now or, as long as three LEDs show there, a moment ago: that one reading's LEDs are hidden now
+/// does not make the other one right.
+bool TripleBars::IsInDoubt(const Bar& bar, const BarBuilder& builder) {
+  constexpr base::DurationNs kMomentNs = base::kNsPerS;
+  constexpr double kNearM = 1;  // a machine does not go farther between two pairs that show it
+  const base::TimeNs now_ns = builder.Blobs(0).stamp.mid_exposure_ns;
+  const auto is_old = [now_ns](const Doubt& doubt) {
+    return doubt.seen_ns > now_ns || now_ns - doubt.seen_ns > kMomentNs;
+  };
+  const Eigen::Vector3d& place_b_m = bar.solution.points.epicenter_b_m;
+  Doubt* at = std::find_if(doubts_.begin(), doubts_.end(), [&](const Doubt& doubt) {
+    return !is_old(doubt) && doubt.target == bar.triple.target &&
+           (doubt.epicenter_b_m - place_b_m).norm() < kNearM;
+  });
+  const bool in_doubt = IsContested(bar, builder) || (!bar.solution.complete && at != doubts_.end());
+  if (!in_doubt) return false;
+  if (at == doubts_.end()) at = std::find_if(doubts_.begin(), doubts_.end(), is_old);
+  const Doubt doubt{bar.triple.target, place_b_m, now_ns};
+  if (at != doubts_.end())
+    *at = doubt;
+  else
+    doubts_.push_back(doubt);
+  return true;
 }
 
 /// Another target may be seen in the same blobs, or this one elsewhere, whether or not that is believed.

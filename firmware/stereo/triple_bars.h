@@ -45,6 +45,14 @@ class TripleBars {
   /// of three bars.
   using LineLights = base::FixedVector<LineLight, 6>;
 
+  /// Where lights could be read in two ways, and when that was last so.
+  struct Doubt {
+    std::uint8_t target = 0;
+    Eigen::Vector3d epicenter_b_m = Eigen::Vector3d::Zero();
+    base::TimeNs seen_ns = base::kNever;
+  };
+  static constexpr std::size_t kMaxDoubts = 16;
+
   void DropDoubtful(std::size_t target, const BarBuilder& builder, Finding& finding) const;
   void Claim(const std::vector<Finding>& findings);
   void Try(const Triple& triple, const BarBuilder& builder, const std::vector<Finding>& findings);
@@ -54,6 +62,7 @@ class TripleBars {
   bool StandsInItsLine(const Bar& bar, const BarBuilder& builder) const;
   bool IsAnothers(const Bar& bar) const;
   bool IsContested(const Bar& bar, const BarBuilder& builder) const;
+  bool IsInDoubt(const Bar& bar, const BarBuilder& builder);
 
   std::vector<base::Target> targets_;
   optics::Rig rig_;
@@ -66,6 +75,7 @@ class TripleBars {
   TripleSearch search_;
   TripleSet triples_;
   base::FixedVector<Bar, kMaxBars> bars_;
+  base::FixedVector<Doubt, kMaxDoubts> doubts_;
 };
 
 }  // namespace adit::stereo

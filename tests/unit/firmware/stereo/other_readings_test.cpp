@@ -57,6 +57,27 @@ TEST(OtherReadings, TwoLedsBackwardsAndALampAreNotBelievedWhereTheOtherLedsAreSe
   CHECK(chain.Run(scene->Blobs()).reason == LossReason::kAmbiguous);
 }
 
+TEST(OtherReadings, WhatWasReadInTwoWaysAMomentAgoIsNotBelievedWhenLedsOfOneAreHidden) {
+  const auto look = [&](double at_s, bool lamps) {
+    scene->Clear();
+    CHECK(scene->AddBar(bar, 0.02));
+    if (lamps) {
+      AddLight(-0.75, 1);
+      AddLight(-1, 1);
+      Merge(5, kBoth);
+    }
+    Merge(3, kBoth);
+    const auto at_ns = static_cast<adit::base::TimeNs>(at_s * adit::base::kNsPerS);
+    for (auto* set : {&scene->Blobs().left, &scene->Blobs().right}) set->stamp.mid_exposure_ns = at_ns;
+    return chain.Run(scene->Blobs()).status;
+  };
+  CHECK(look(0, false) == FixStatus::kRecovered);
+  CHECK(look(0.1, true) == FixStatus::kLost);
+  CHECK(look(0.9, false) == FixStatus::kLost);
+  CHECK(look(1.8, false) == FixStatus::kLost);
+  CHECK(look(3, false) == FixStatus::kRecovered);
+}
+
 TEST(OtherReadings, LedsThatMergedWithLampsCountLikeThoseThatAreSeen) {
   scene->Clear();
   CHECK(scene->AddBar(bar, 0.02));

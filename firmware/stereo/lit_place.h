@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-#include "firmware/detect/blob_set.h"
+#include "firmware/identify/sighting_set.h"
 #include "firmware/optics/rig.h"
 
 namespace adit::stereo {

@@ -90,7 +90,12 @@ Light Draw(const SyntheticCamera& camera, const std::vector<SyntheticBar>& bars,
     light.AddDisc(at_px, radius_px);
     ++i;
   }
-  for (const Eigen::Vector2d& led : leds_px) light.AddLed(led, sigma(random));
+  // One lens shows the LEDs of one bar alike.
+  double sigma_px = 0;
+  for (std::size_t i = 0; i < leds_px.size(); ++i) {
+    if (i % base::kLedCount == 0) sigma_px = sigma(random);
+    light.AddLed(leds_px[i], sigma_px);
+  }
   return light;
 }
 

@@ -32,11 +32,10 @@ TEST_GROUP(OtherReadings) {
   std::unique_ptr<SyntheticScene> scene = std::make_unique<SyntheticScene>(chain.rig, 12);
   SyntheticBar bar = SyntheticBar::At(kOne, AheadM(40), {1, 0.2, 0.3});
 
-  void AddLight(double place_m, float brightness, unsigned images = kBoth) {
+  void AddLight(double place_m, float brightness) {
     AddLightInLine(*scene, bar, place_m);
-    auto& [left, right] = scene->Blobs();
-    if ((images & kLeft) != 0) left.blobs[left.blobs.size() - 1].flux_dn *= brightness;
-    if ((images & kRight) != 0) right.blobs[right.blobs.size() - 1].flux_dn *= brightness;
+    for (auto* set : {&scene->Blobs().left, &scene->Blobs().right})
+      set->blobs[set->blobs.size() - 1].flux_dn *= brightness;
   }
   /// Lets LED 1 to 4, or a light beyond these, merge with a lamp that is no blob itself.
   void Merge(std::size_t index, unsigned images) {

@@ -25,7 +25,7 @@ inline constexpr float kSameMake = 1.25F;
 /// Of one LED beside the others nothing but noise, a hundredth, and a leaning bar's ends make a difference.
 inline constexpr float kSameLed = 1.1F;
 
-/// Whether LEDs are as bright, one beside another, as they are known to be: within a quarter, after a common
+/// Whether LEDs are as bright, one beside another, as they are known to be: `within` that, after a common
 /// factor (exposure, distance). Of an LED that is not known yet it is expected that it is like the others of
 /// its image: they are of one type and look one way. One that is not has merged with a lamp or is covered in
 /// part, and its centroid is not where the LED is; or it is none.

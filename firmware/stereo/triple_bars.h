@@ -45,7 +45,8 @@ class TripleBars {
   /// of three bars.
   using LineLights = base::FixedVector<LineLight, 6>;
 
-  /// Where lights could be read in two ways, and when that was last so.
+  /// Where lights could be read in two ways, and when three LEDs last showed there. It lasts over pairs; one
+  /// that finds no room is not remembered.
   struct Doubt {
     std::uint8_t target = 0;
     Eigen::Vector3d epicenter_b_m = Eigen::Vector3d::Zero();

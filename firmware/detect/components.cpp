@@ -2,34 +2,19 @@
 
 #include <algorithm>
 
-#include "firmware/base/require.h"
-
 namespace adit::detect {
 namespace {
-
-// Words of 64 pixels that are lit in a row up to which looking for dark blocks pays: where two LEDs or one
-// lamp are. Measured.
-constexpr std::size_t kFewWords = 2;
 
 /// Ends every row's runs: it is right of all of them, so that no search for a neighbour runs past it.
 constexpr Run kSentinel{UINT16_MAX, UINT16_MAX, 0, 0, 0};
 
 }  // namespace
 
-Components::Components()
-    : scans_{{{FastestRowScan(1, true), FastestRowScan(1, false)},
-              {FastestRowScan(2, true), FastestRowScan(2, false)}}},
-      dark_scans_{FastestDarkScan(1), FastestDarkScan(2)},
-      lit_(LitWordsRoom(kMaxWidthPx)),
-      edges_(RowEdgesRoom(kMaxWidthPx)),
-      runs_(kMaxRuns),
-      components_(kMaxRuns),
-      parent_(kMaxRuns) {}
+Components::Components() : lit_rows_(kMaxRuns), runs_(kMaxRuns), components_(kMaxRuns), parent_(kMaxRuns) {}
 
 bool Components::Segment(const base::ImageView& image, const Window& window, int threshold) {
-  ADIT_REQUIRE(image.width_px <= kMaxWidthPx && image.height_px <= UINT16_MAX);
   component_count_ = 0;
-  if (!ReadRows(image, window, threshold)) {
+  if (!lit_rows_.Read(image, window, threshold) || !LinkRows(window.x_min_px)) {
     component_count_ = 0;
     return false;
   }
@@ -37,47 +22,31 @@ bool Components::Segment(const base::ImageView& image, const Window& window, int
   return true;
 }
 
-bool Components::ReadRows(const base::ImageView& image, const Window& window, int threshold) {
-  const auto bytes_per_pixel = static_cast<std::size_t>(image.BytesPerPixel());
-  const auto& scans = scans_[bytes_per_pixel - 1];
-  const std::ptrdiff_t left_bytes = std::ptrdiff_t{window.x_min_px} * image.BytesPerPixel();
-  x_px_ = static_cast<std::uint16_t>(window.x_min_px);
+bool Components::LinkRows(int left_px) {
+  x_px_ = static_cast<std::uint16_t>(left_px);
   runs_[0] = kSentinel;  // what is above a row that follows a dark one; and no run has the number 0
   run_count_ = 1;
-  std::uint32_t above = 0;
-  std::size_t lit = 0;
-  const auto row_bytes = static_cast<std::size_t>(window.WidthPx()) * bytes_per_pixel;
-  const bool gapless = image.stride_bytes == static_cast<std::ptrdiff_t>(row_bytes);
-  for (int y = window.y_min_px; y <= window.y_max_px; ++y) {
-    // A row is like the one above it.
-    if (gapless && lit == 0) {
-      const auto rows = static_cast<std::size_t>(window.y_max_px - y + 1);
-      y += static_cast<int>(dark_scans_[bytes_per_pixel - 1](image.Row(y), rows * row_bytes, threshold) /
-                            row_bytes);
-      if (y > window.y_max_px) break;
+  std::uint32_t above = 0;  // first run of the row y_px_
+  for (std::size_t band = 0; band < kBands; ++band) {
+    for (const LitRow& row : lit_rows_.Band(band)) {
+      if (run_count_ + row.edge_count / 2 + 1 > kMaxRuns) return false;
+      if (row.y_px != y_px_ + 1) above = 0;
+      const std::uint32_t here = run_count_;
+      y_px_ = row.y_px;
+      Link(above, lit_rows_.EdgesOf(row));
+      runs_[run_count_++] = kSentinel;
+      above = here;
     }
-    lit = scans[lit > kFewWords ? 1 : 0](image.Row(y) + left_bytes, window.WidthPx(), threshold, lit_.data());
-    if (lit == 0) {
-      above = 0;
-      continue;
-    }
-    const std::size_t edges = RowEdges({lit_.data(), lit}, edges_.data());
-    if (run_count_ + edges / 2 + 1 > kMaxRuns) return false;
-    const std::uint32_t here = run_count_;
-    y_px_ = static_cast<std::uint16_t>(y);
-    Link(above, edges);
-    runs_[run_count_++] = kSentinel;
-    above = here;
   }
   return true;
 }
 
-void Components::Link(std::uint32_t above, std::size_t edges) {
+void Components::Link(std::uint32_t above, std::span<const std::uint16_t> edges) {
   Run* const runs = runs_.data();
   const Run* up = runs + above;
   std::uint32_t run = run_count_;
-  for (std::size_t i = 0; i < edges; i += 2, ++run) {
-    const std::uint32_t begin_px = x_px_ + edges_[i], end_px = x_px_ + edges_[i + 1];
+  for (std::size_t i = 0; i < edges.size(); i += 2, ++run) {
+    const std::uint32_t begin_px = x_px_ + edges[i], end_px = x_px_ + edges[i + 1];
     // Diagonal neighbours count: ends are exclusive, so equality touches.
     while (up->end_px < begin_px) ++up;
     const bool joins = up->begin_px <= end_px;

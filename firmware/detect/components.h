@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "firmware/base/image.h"
-#include "firmware/detect/row_scan.h"
+#include "firmware/detect/lit_rows.h"
 #include "firmware/detect/window.h"
 
 namespace adit::detect {
@@ -60,7 +60,6 @@ class Components {
  public:
   /// More runs than this in one image are not kept: such an image has no dark background.
   static constexpr std::size_t kMaxRuns = 1 << 17;
-  static constexpr int kMaxWidthPx = 1 << 14;  ///< far more than any camera of this use has
 
   Components();
 
@@ -74,20 +73,17 @@ class Components {
   RunList RunsOf(const Component& component) const { return {runs_.data(), component.first_run}; }
 
  private:
-  bool ReadRows(const base::ImageView& image, const Window& window, int threshold);
-  void Link(std::uint32_t above, std::size_t edges);
+  bool LinkRows(int left_px);
+  void Link(std::uint32_t above, std::span<const std::uint16_t> edges);
   void Open(std::uint32_t run);
   void Append(std::uint32_t component, std::uint32_t run);
   std::uint32_t Join(std::uint32_t a, std::uint32_t b);
   std::uint32_t Root(std::uint32_t component);
   void DropJoined();
 
-  std::array<std::array<RowScan, 2>, 2> scans_;  ///< by bytes of a pixel less one, and by whether it is lit
-  std::array<DarkScan, 2> dark_scans_;           ///< by bytes of a pixel less one
-  std::uint16_t x_px_ = 0, y_px_ = 0;            ///< of the window's left edge and of the row at hand
-  std::vector<LitWord> lit_;                     ///< of the row at hand
-  std::vector<std::uint16_t> edges_;             ///< of the row at hand
-  std::vector<Run> runs_;                        ///< row by row, a sentinel after each
+  LitRows lit_rows_;
+  std::uint16_t x_px_ = 0, y_px_ = 0;  ///< of the window's left edge and of the row at hand
+  std::vector<Run> runs_;              ///< row by row, a sentinel after each
   std::vector<Component> components_;
   std::vector<std::uint32_t> parent_;  ///< of each component; the earliest of those that meet is their root
   std::uint32_t run_count_ = 0, component_count_ = 0;

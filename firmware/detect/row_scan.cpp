@@ -211,20 +211,22 @@ using WidePixels = std::uint16_t __attribute__((vector_size(kVectorBytes)));
 using VectorWords = std::uint64_t __attribute__((vector_size(kVectorBytes)));
 
 template <typename Pixels>
-ADIT_INLINE std::size_t DarkBytes(const std::uint8_t* at, std::size_t count, int threshold) {
+ADIT_INLINE std::size_t DarkBytes(const Bands& at, std::size_t count, int threshold) {
   using Pixel = std::remove_cvref_t<decltype(Pixels{}[0])>;
   const Pixels brightest_dark = Pixels{} + static_cast<Pixel>(threshold);
-  constexpr std::size_t kVectors = 16, kAtOnce = 4;
+  constexpr std::size_t kVectors = 8;  // of each place in turn
   std::size_t done = 0;
   for (; done + kVectors * kVectorBytes <= count; done += kVectors * kVectorBytes) {
-    std::array<Pixels, kAtOnce> most;
-    most.fill(brightest_dark);
-    for (std::size_t i = 0; i < kVectors; ++i) {
-      Pixels pixels, &to = most[i % kAtOnce];
-      std::memcpy(&pixels, at + done + i * kVectorBytes, kVectorBytes);
-      to = pixels > to ? pixels : to;
+    Pixels changed{};
+    for (const std::uint8_t* const place : at) {
+      Pixels most = brightest_dark;
+      for (std::size_t i = 0; i < kVectors; ++i) {
+        Pixels pixels;
+        std::memcpy(&pixels, place + done + i * kVectorBytes, kVectorBytes);
+        most = pixels > most ? pixels : most;
+      }
+      changed |= most ^ brightest_dark;
     }
-    const Pixels changed = (most[0] | most[1] | most[2] | most[3]) ^ brightest_dark;
     VectorWords any;
     std::memcpy(&any, &changed, kVectorBytes);
     if ((any[0] | any[1] | any[2] | any[3]) != 0) break;
@@ -233,11 +235,11 @@ ADIT_INLINE std::size_t DarkBytes(const std::uint8_t* at, std::size_t count, int
 }
 
 template <typename Pixels>
-std::size_t DarkBytesBaseline(const std::uint8_t* at, std::size_t count, int threshold) {
+std::size_t DarkBytesBaseline(const Bands& at, std::size_t count, int threshold) {
   return DarkBytes<Pixels>(at, count, threshold);
 }
 template <typename Pixels>
-ADIT_AVX2 std::size_t DarkBytesAvx2(const std::uint8_t* at, std::size_t count, int threshold) {
+ADIT_AVX2 std::size_t DarkBytesAvx2(const Bands& at, std::size_t count, int threshold) {
   return DarkBytes<Pixels>(at, count, threshold);
 }
 

@@ -5,17 +5,9 @@
 #include "firmware/base/require.h"
 
 namespace adit::detect {
-namespace {
-
-// Words of 64 pixels that are lit in a row up to which looking for dark blocks pays: where two LEDs or one
-// lamp are. Measured.
-constexpr std::size_t kFewWords = 2;
-
-}  // namespace
 
 LitRows::LitRows(std::size_t max_runs)
-    : scans_{{{FastestRowScan(1, true), FastestRowScan(1, false)},
-              {FastestRowScan(2, true), FastestRowScan(2, false)}}},
+    : scans_{FastestRowScan(1), FastestRowScan(2)},
       dark_scans_{FastestDarkScan(1), FastestDarkScan(2)},
       max_edges_(2 * max_runs),
       words_(LitWordsRoom(kMaxSidePx)),
@@ -25,7 +17,8 @@ LitRows::LitRows(std::size_t max_runs)
 bool LitRows::Read(const base::ImageView& image, const Window& window, int threshold) {
   ADIT_REQUIRE(image.width_px <= kMaxSidePx && image.height_px <= kMaxSidePx);
   const auto bytes_per_pixel = static_cast<std::size_t>(image.BytesPerPixel());
-  const auto& scans = scans_[bytes_per_pixel - 1];
+  const RowScan scan = scans_[bytes_per_pixel - 1];
+  const DarkScan dark_scan = dark_scans_[bytes_per_pixel - 1];
   const auto height = static_cast<std::size_t>(window.HeightPx());
   rows_a_band_ = (height + kBands - 1) / kBands;
   row_counts_ = {};
@@ -38,19 +31,21 @@ bool LitRows::Read(const base::ImageView& image, const Window& window, int thres
   const bool gapless = image.stride_bytes == static_cast<std::ptrdiff_t>(row_bytes);
   const std::size_t before_last = (kBands - 1) * rows_a_band_;  // the last band has the fewest rows
   const std::size_t rows_of_each = gapless && height > before_last ? height - before_last : 0;
-  std::array<std::size_t, kBands> lit{};  // words of each band's row before: the next one is like it
+  bool dark = true;  // the row before in every band: the next one is mostly like it
   for (std::size_t row = 0; row < rows_a_band_; ++row) {
-    if (row < rows_of_each && lit == decltype(lit){}) {
+    if (dark && row < rows_of_each) {
       Bands bands;
       for (std::size_t band = 0; band < kBands; ++band) bands[band] = at(band * rows_a_band_ + row);
       const std::size_t rest_bytes = (rows_of_each - row) * row_bytes;
-      row += dark_scans_[bytes_per_pixel - 1](bands, rest_bytes, threshold) / row_bytes;
+      row += dark_scan(bands, rest_bytes, threshold) / row_bytes;
       if (row == rows_a_band_) break;
     }
+    dark = true;
     for (std::size_t band = 0, i = row; band < kBands && i < height; ++band, i += rows_a_band_) {
-      const RowScan scan = scans[lit[band] > kFewWords ? 1 : 0];
-      lit[band] = scan(at(i), window.WidthPx(), threshold, words_.data());
-      if (lit[band] > 0 && !Keep({words_.data(), lit[band]}, band, y_of(i))) return false;
+      const std::size_t lit = scan(at(i), window.WidthPx(), threshold, words_.data());
+      if (lit == 0) continue;
+      dark = false;
+      if (!Keep({words_.data(), lit}, band, y_of(i))) return false;
     }
   }
   return true;

@@ -46,8 +46,8 @@ class LitRows {
  private:
   bool Keep(std::span<const LitWord> words, std::size_t band, int y_px);
 
-  std::array<std::array<RowScan, 2>, 2> scans_;  ///< by bytes of a pixel less one, and by whether it is lit
-  std::array<DarkScan, 2> dark_scans_;           ///< by bytes of a pixel less one
+  std::array<RowScan, 2> scans_;        ///< by bytes of a pixel less one
+  std::array<DarkScan, 2> dark_scans_;  ///< the same
   std::size_t max_edges_;
   std::vector<LitWord> words_;  ///< of the row at hand
   std::vector<std::uint16_t> edges_;

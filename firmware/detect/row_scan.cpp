@@ -140,9 +140,8 @@ ADIT_AVX2 bool AllDark(const std::uint8_t* at, __m256i brightest_dark) {
   return _mm256_movemask_epi8(same) == -1;
 }
 
-/// Scan again, without lambdas: those would not be compiled for AVX2. With kDark, blocks that are dark are
-/// passed over; a branch that costs more than it saves where lamps are.
-template <typename Half, bool kDark>
+/// Scan again, without lambdas: those would not be compiled for AVX2. Blocks that are dark are passed over.
+template <typename Half>
 ADIT_AVX2 std::size_t ScanAvx2(const std::uint8_t* row, int width, int threshold, LitWord* lit) {
   constexpr std::ptrdiff_t kHalfBytes = std::ptrdiff_t{sizeof(typename Half::Pixel)} * kHalf;
   const __m256i least = Half::Least(threshold + 1);
@@ -156,7 +155,7 @@ ADIT_AVX2 std::size_t ScanAvx2(const std::uint8_t* row, int width, int threshold
   constexpr int kBlockVectors = 8;
   constexpr int kBlock = kBlockVectors * 32 / static_cast<int>(sizeof(typename Half::Pixel));
   int x = 0;
-  while (kDark && x + kBlock <= width) {
+  while (x + kBlock <= width) {
     const int end = x + kBlock;
     if (AllDark<Half, kBlockVectors>(row, brightest_dark)) {
       x = end, row += 32 * kBlockVectors;
@@ -250,15 +249,6 @@ std::size_t ScanRow(const std::uint8_t* row, int width, int threshold, LitWord* 
   return (width < kHalf ? kPlain : kScan)(row, width, threshold, lit);
 }
 
-#if defined(__x86_64__)
-
-template <typename Half, RowScan kPlain>
-RowScan ForAvx2(bool dark) {
-  return dark ? ScanRow<Half, ScanAvx2<Half, true>, kPlain> : ScanRow<Half, ScanAvx2<Half, false>, kPlain>;
-}
-
-#endif
-
 }  // namespace
 
 std::size_t ScanRowPlain8(const std::uint8_t* row, int width, int threshold, LitWord* lit) {
@@ -269,10 +259,13 @@ std::size_t ScanRowPlain16(const std::uint8_t* row, int width, int threshold, Li
   return ScanPlain<std::uint16_t>(row, width, threshold, lit);
 }
 
-RowScan FastestRowScan(int bytes_per_pixel, [[maybe_unused]] bool dark) {
+RowScan FastestRowScan(int bytes_per_pixel) {
   const bool bytes = bytes_per_pixel == 1;
 #if defined(__x86_64__)
-  if (HasAvx2()) return bytes ? ForAvx2<Avx2x8, ScanRowPlain8>(dark) : ForAvx2<Avx2x16, ScanRowPlain16>(dark);
+  if (HasAvx2()) {
+    return bytes ? ScanRow<Avx2x8, ScanAvx2<Avx2x8>, ScanRowPlain8>
+                 : ScanRow<Avx2x16, ScanAvx2<Avx2x16>, ScanRowPlain16>;
+  }
   return bytes ? ScanRow<Sse2x8, Scan<Sse2x8>, ScanRowPlain8>
                : ScanRow<Sse2x16, Scan<Sse2x16>, ScanRowPlain16>;
 #elif defined(__aarch64__)

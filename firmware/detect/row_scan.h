@@ -21,9 +21,8 @@ using RowScan = std::size_t (*)(const std::uint8_t* row, int width, int threshol
 /// The straightforward loops, for pixels of one byte and of two, which the others are compared with.
 std::size_t ScanRowPlain8(const std::uint8_t* row, int width, int threshold, LitWord* lit);
 std::size_t ScanRowPlain16(const std::uint8_t* row, int width, int threshold, LitWord* lit);
-/// 64 pixels at a time with the widest instructions of this processor that pay (AVX2, SSE2, NEON). For `dark`
-/// rows, which hold hardly anything bright, another one may be the fastest.
-RowScan FastestRowScan(int bytes_per_pixel, bool dark);
+/// 64 pixels at a time with the widest instructions of this processor that pay (AVX2, SSE2, NEON).
+RowScan FastestRowScan(int bytes_per_pixel);
 
 /// Places of an image that are read in turn. Of 1, 2, 3, 4, 6 and 8 at once, three cost the least with lamps
 /// and without: 0.75 to 0.9 times as much as one. Measured on a Zen 3.

@@ -21,7 +21,8 @@ def text(x, y, content, anchor="middle", extra=""):
 
 
 def panel(points, title, origin_x):
-    x_most, y_most = max(p["x"] for p in points) * 1.05, max(p["pair_us"] for p in points) * 1.08
+    x_most = max(p["x"] for p in points) * 1.05
+    y_most = max(max(p["pair_us"], p["read_us"]) for p in points) * 1.08
     at_x = lambda x: origin_x + LEFT + WIDTH * x / x_most
     at_y = lambda y: TOP + HEIGHT * (1 - y / y_most)
     parts = []

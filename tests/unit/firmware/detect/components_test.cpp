@@ -224,13 +224,11 @@ TEST_GROUP(RowScan) {
       // Rows begin anywhere in memory.
       const auto* const at = reinterpret_cast<const std::uint8_t*>(row.data() + round % kSlack);
       const std::size_t words = plain(at, width, static_cast<int>(threshold), slow.data());
-      for (const bool dark : {false, true}) {
-        const auto scan = adit::detect::FastestRowScan(sizeof(Pixel), dark);
-        LONGS_EQUAL(words, scan(at, width, static_cast<int>(threshold), fast.data()));
-        for (std::size_t i = 0; i < words; ++i) {
-          CHECK(slow[i].bright == fast[i].bright);
-          LONGS_EQUAL(slow[i].first_px, fast[i].first_px);
-        }
+      const auto scan = adit::detect::FastestRowScan(sizeof(Pixel));
+      LONGS_EQUAL(words, scan(at, width, static_cast<int>(threshold), fast.data()));
+      for (std::size_t i = 0; i < words; ++i) {
+        CHECK(slow[i].bright == fast[i].bright);
+        LONGS_EQUAL(slow[i].first_px, fast[i].first_px);
       }
     }
   }

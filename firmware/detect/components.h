@@ -1,7 +1,6 @@
 // Bright runs -> connected components (8 neighbours), by union-find while the rows come.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>

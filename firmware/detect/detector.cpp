@@ -49,7 +49,7 @@ struct Detector::State {
   Components components;
 
   State(const optics::CameraModel& model, const DetectorOptions& given) : camera(model), options(given) {
-    ADIT_REQUIRE(model.width_px <= LitRows::kMaxSidePx);
+    ADIT_REQUIRE(model.width_px <= LitRows::kMaxSidePx && model.height_px <= LitRows::kMaxSidePx);
   }
 
   void Search(const base::ImageView& image, const Window& window, const PixelNoise& noise, BlobSet& out);

@@ -1,7 +1,5 @@
 #include "firmware/detect/lit_rows.h"
 
-#include <algorithm>
-
 #include "firmware/base/require.h"
 
 namespace adit::detect {

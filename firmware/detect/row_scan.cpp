@@ -1,6 +1,5 @@
 #include "firmware/detect/row_scan.h"
 
-#include <array>
 #include <bit>
 #include <cstring>
 #include <limits>
